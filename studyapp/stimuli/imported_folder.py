@@ -9,9 +9,10 @@ from __future__ import annotations
 import filecmp
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Final
 
 from motion.endings import MOTION_ENDINGS, SPEECH_ENDINGS, VIDEO_ENDING
 from motion.errors import InputError
@@ -53,110 +54,90 @@ def folder_items(study: StudyFolder, folder: Path, facts: RecordingFacts) -> lis
     InputError
         If there are none.
     """
-    conditions = {folder: facts.condition}
-    for path in sorted(folder.iterdir()):
-        if path.is_dir() and not path.name.startswith("."):
-            conditions[path] = path.name
-    sources = [_ConditionFolder(study, path, name, facts) for path, name in conditions.items()]
-    kinds = (
-        _ConditionFolder.speech,
-        _ConditionFolder.motion,
-        _ConditionFolder.videos,
-        _ConditionFolder.others,
-    )
-    items = [item for kind in kinds for source in sources for item in kind(source)]
-    if not items:
+    folders = [path for path in sorted(folder.iterdir()) if path.is_dir() and path.name[0] != "."]
+    conditions = {folder: facts.condition} | {path: path.name for path in folders}
+    found = [
+        item
+        for path, condition in conditions.items()
+        for item in _items_of(study, path, replace(facts, condition=condition))
+    ]
+    if not found:
         raise InputError("there is no file to import", where=folder, remedy="Put files there first")
-    return items
+    return [item for kind in _KINDS for item_kind, item in found if item_kind == kind]
 
 
-class _ConditionFolder:
-    """A folder of files of one condition."""
+_KINDS: Final = ("speech", "motion", "video", "other")
+"""In the order of their import: speech adds the segments that motion and videos belong to."""
 
-    def __init__(
-        self, study: StudyFolder, folder: Path, condition: str | None, facts: RecordingFacts
-    ) -> None:
-        self._study, self._condition, self._facts = study, condition, facts
-        self._remaining = {
-            path.name: path
-            for path in sorted(folder.iterdir())
-            if path.is_file() and not path.name.startswith(".")
-        }
-        self._folder = folder
 
-    def speech(self) -> Iterator[FolderItem]:
-        """Yield the items that add segments: a table with its recordings, takes, speech alone."""
-        table = self._remaining.get(SEGMENTS_FILE)
-        if table is not None:
-            lines = table.read_text("utf-8", errors="replace").splitlines()
-            cells = {cell.strip() for line in lines for cell in line.split(",")}
-            named = [path for path in self._with_ending(SPEECH_ENDINGS) if path.name in cells]
-            store = partial(import_speech, self._study, self._folder)
-            yield FolderItem(files=self._take([table, *named]), store=store)
-        for speech in self._with_ending(SPEECH_ENDINGS):
-            motion = next(
-                (file for file in self._with_ending(MOTION_ENDINGS) if file.stem == speech.stem),
-                None,
-            )
-            files = [*([motion] if motion else []), speech, *self._companions(speech)]
-            store = partial(self._store_take, motion, speech)
-            yield FolderItem(files=self._take(files), store=store)
+def _items_of(
+    study: StudyFolder, folder: Path, facts: RecordingFacts
+) -> Iterator[tuple[str, FolderItem]]:
+    """Yield the items in a folder of files of one condition, each with its kind."""
+    files = (path for path in sorted(folder.iterdir()) if path.is_file() and path.name[0] != ".")
+    remaining = dict.fromkeys(files)
 
-    def motion(self) -> Iterator[FolderItem]:
-        """Yield motion of segments that exist by then."""
-        for motion in self._with_ending(MOTION_ENDINGS):
-            files = self._take([motion, *self._companions(motion)])
-            yield FolderItem(files=files, store=partial(self._store_clip, motion))
+    def with_ending(endings: Sequence[str], stem: str = "") -> list[Path]:
+        return [
+            path for path in remaining if path.suffix.lower() in endings and stem in ("", path.stem)
+        ]
 
-    def videos(self) -> Iterator[FolderItem]:
-        """Yield finished videos."""
-        for video in self._with_ending((VIDEO_ENDING,)):
-            yield FolderItem(files=self._take([video]), store=partial(self._store_video, video))
-
-    def others(self) -> Iterator[FolderItem]:
-        """Yield all other files, which are refused."""
-        for path in list(self._remaining.values()):
-            yield FolderItem(files=self._take([path]), store=partial(_refuse_unknown, path))
-
-    def _with_ending(self, endings: Sequence[str]) -> list[Path]:
-        return [path for path in self._remaining.values() if path.suffix.lower() in endings]
-
-    def _companions(self, path: Path) -> list[Path]:
-        return [file for file in self._with_ending(COMPANION_ENDINGS) if file.stem == path.stem]
-
-    def _take(self, files: Sequence[Path]) -> tuple[Path, ...]:
+    def item(store: Callable[[], list[str]], *files: Path) -> FolderItem:
         for path in files:
-            self._remaining.pop(path.name, None)
-        return tuple(dict.fromkeys(files))
+            remaining.pop(path, None)
+        return FolderItem(files=files, store=store)
 
-    def _store_take(self, motion: Path | None, speech: Path) -> list[str]:
-        facts = self._facts
-        if facts.speaker is None or facts.emotion is None:
-            raise InputError(
-                "the speaker and the emotion are unknown",
-                where=speech,
-                remedy="Name the speaker and the emotion (--speaker, --emotion), or put a "
-                f"{SEGMENTS_FILE} beside it that does",
-            )
-        condition = motion and self._require_condition(motion)
-        take = Take(**vars(facts) | {"condition": condition}, motion=motion, speech=speech)
-        return import_take(self._study, take)[1]
+    table = folder / SEGMENTS_FILE
+    if table in remaining:
+        lines = table.read_text("utf-8", errors="replace").splitlines()
+        cells = {cell.strip() for line in lines for cell in line.split(",")}
+        named = [path for path in with_ending(SPEECH_ENDINGS) if path.name in cells]
+        yield "speech", item(partial(import_speech, study, folder), table, *named)
+    for speech in with_ending(SPEECH_ENDINGS):
+        motions = with_ending(MOTION_ENDINGS, speech.stem)[:1]
+        store = partial(_store_take, study, facts, next(iter(motions), None), speech)
+        companions = with_ending(COMPANION_ENDINGS, speech.stem)
+        yield "speech", item(store, *motions, speech, *companions)
+    for motion in with_ending(MOTION_ENDINGS):
+        companions = with_ending(COMPANION_ENDINGS, motion.stem)
+        yield "motion", item(partial(_store_clip, study, facts, motion), motion, *companions)
+    for video in with_ending((VIDEO_ENDING,)):
+        yield "video", item(partial(_store_video, study, facts, video), video)
+    for path in list(remaining):
+        yield "other", item(partial(_refuse_unknown, path), path)
 
-    def _store_clip(self, motion: Path) -> list[str]:
-        condition = self._require_condition(motion)
-        return import_clips(self._study, [motion], condition, self._facts)
 
-    def _store_video(self, video: Path) -> list[str]:
-        return import_video(self._study, video, self._require_condition(video))
+def _store_take(
+    study: StudyFolder, facts: RecordingFacts, motion: Path | None, speech: Path
+) -> list[str]:
+    if facts.speaker is None or facts.emotion is None:
+        raise InputError(
+            "the speaker and the emotion are unknown",
+            where=speech,
+            remedy="Name the speaker and the emotion (--speaker, --emotion), or put a "
+            f"{SEGMENTS_FILE} beside it that does",
+        )
+    condition = motion and _require_condition(facts, motion)
+    take = Take(**vars(facts) | {"condition": condition}, motion=motion, speech=speech)
+    return import_take(study, take)[1]
 
-    def _require_condition(self, path: Path) -> str:
-        if self._condition is None:
-            raise InputError(
-                "the condition is unknown",
-                where=path,
-                remedy="Name its condition (--condition), or put it into a folder of that name",
-            )
-        return self._condition
+
+def _store_clip(study: StudyFolder, facts: RecordingFacts, motion: Path) -> list[str]:
+    return import_clips(study, [motion], _require_condition(facts, motion), facts)
+
+
+def _store_video(study: StudyFolder, facts: RecordingFacts, video: Path) -> list[str]:
+    return import_video(study, video, _require_condition(facts, video))
+
+
+def _require_condition(facts: RecordingFacts, path: Path) -> str:
+    if facts.condition is None:
+        raise InputError(
+            "the condition is unknown",
+            where=path,
+            remedy="Name its condition (--condition), or put it into a folder of that name",
+        )
+    return facts.condition
 
 
 def import_video(study: StudyFolder, video: Path, condition: str) -> list[str]:
