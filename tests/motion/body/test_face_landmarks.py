@@ -28,29 +28,16 @@ def face_alone(clip: MotionClip) -> MotionClip:
     return replace(clip, poses=poses, trans=np.zeros_like(clip.trans), betas=clip.betas[:0])
 
 
-def test_landmarks_match_the_vertices_of_the_whole_body(
-    body: BodyModel, landmarks: FaceLandmarks
-) -> None:
-    clip = random_clip(9)
+@pytest.mark.parametrize("licensed", [False, True])
+def test_landmarks_match_the_vertices_of_the_whole_body(body: BodyModel, licensed: bool) -> None:
+    if licensed:
+        shape = (len(body.template), 3, 486)
+        poses = np.random.default_rng(0).normal(0, 1e-3, shape).astype(np.float32)
+        body = replace(body, has_arkit_slots=False, surface={}, pose_directions=poses)
+    clip, landmarks = random_clip(9), FaceLandmarks.of(body)
     whole = body.vertices(face_alone(clip))[:, landmark_vertices(body)]
     np.testing.assert_allclose(landmarks.positions(clip), whole, atol=1e-6)
     np.testing.assert_allclose(landmarks.shifts(clip), whole - landmarks.neutral, atol=1e-6)
-
-
-def test_landmarks_of_an_smplx_body_follow_its_pose_corrections(
-    body: BodyModel,
-) -> None:
-    chance = np.random.default_rng(0)
-    licensed = replace(
-        body,
-        has_arkit_slots=False,
-        surface={},
-        pose_directions=chance.normal(0, 1e-3, (len(body.template), 3, 486)).astype(np.float32),
-    )
-    clip = random_clip(5)
-    result = FaceLandmarks.of(licensed).positions(clip)
-    whole = licensed.vertices(face_alone(clip))[:, landmark_vertices(licensed)]
-    np.testing.assert_allclose(result, whole, atol=1e-6)
 
 
 def test_missing_arrays_are_refused(landmarks: FaceLandmarks) -> None:

@@ -45,10 +45,10 @@ def test_every_channel_lands_on_its_joint(
         assert not clip.trans.any()
 
 
-def endless(frames: int) -> bytes:
-    """Return the header of an array of so many frames."""
+def endless() -> bytes:
+    """Return the header of an array of more frames than any memory holds."""
     file = io.BytesIO()
-    header = {"descr": "<f4", "fortran_order": False, "shape": (frames, 265)}
+    header = {"descr": "<f4", "fortran_order": False, "shape": (10**12, 265)}
     np.lib.format.write_array_header_1_0(file, header)
     return file.getvalue()
 
@@ -57,15 +57,12 @@ def endless(frames: int) -> bytes:
     ("content", "complaint"),
     [
         (np.zeros((3, 264)), r"shape \(3, 264\)"),
-        (np.zeros(265), r"shape \(265,\)"),
         (np.full((3, 265), np.inf), "holds inf at"),
         (np.full((3, 265), "x"), "type <U1"),
         (np.array([None]), "plain array"),
         (b"\x93NUMPY", "plain array"),
-        (endless(10**12), "plain array"),
-        (endless(10**30), "plain array"),
+        (endless(), "plain array"),
     ],
-    ids=["width", "flat", "infinite", "text", "objects", "torn", "endless", "more than endless"],
 )
 def test_other_files_are_refused_by_name(
     tmp_path: Path, content: np.ndarray | bytes, complaint: str

@@ -65,18 +65,12 @@ def test_participants_a_pause_and_a_changed_design_are_reported(
     assert "design-changed" in found
 
 
-@pytest.mark.parametrize(("free", "name"), [(0, "disk-full"), (10**9, "disk-short")])
-def test_a_full_disk_is_found(
-    tiny_study: Path, monkeypatch: pytest.MonkeyPatch, free: int, name: str
-) -> None:
-    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=free))
-
-    assert name in names(tiny_study)
-
-
-def test_a_folder_must_be_writable_unless_answers_go_elsewhere(
+def test_a_folder_must_be_writable_and_have_space_unless_answers_go_elsewhere(
     tiny_study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    for free, name in ((0, "disk-full"), (10**9, "disk-short")):
+        monkeypatch.setattr(shutil, "disk_usage", lambda _, free=free: SimpleNamespace(free=free))
+        assert name in names(tiny_study)
     monkeypatch.setattr(os, "access", lambda *_: False)
     assert "folder-unwritable" in names(tiny_study)
     monkeypatch.setenv("DATABASE_URL", f"sqlite:///{tiny_study / 'elsewhere.db'}")
