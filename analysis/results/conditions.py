@@ -37,7 +37,7 @@ from analysis.results.pairwise import Equivalent
 from analysis.results.strengths import RANKING, PlackettLuceWorths, StrengthDifference, fit_worths
 from analysis.stats.agreement import Concordance, Retest
 from analysis.stats.clustered_mean import Estimate
-from analysis.stats.one_sample_tests import equivalence_of
+from analysis.stats.one_sample_tests import equivalence
 from analysis.stats.rankings import (
     Friedman,
     PairwiseRanks,
@@ -156,7 +156,7 @@ def rating_results(
             contrast = _contrast(key, answers, mean_difference(cells, a, b), model)
             contrasts.append(contrast)
             if margin is not None:
-                equivalent = equivalence_of(contrast.difference, margin)
+                equivalent = equivalence(contrast.difference, margin)
                 equivalents.append(Equivalent(**vars(key), **vars(equivalent)))
             differences = cells.means[:, a] - cells.means[:, b]
             paired = ~np.isnan(differences)

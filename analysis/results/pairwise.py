@@ -31,7 +31,7 @@ from analysis.results.preference import Comparison, MatchedCondition, left_share
 from analysis.results.strengths import BradleyTerryStrengths, StrengthDifference, fit_strengths
 from analysis.stats.agreement import Retest
 from analysis.stats.clustered_mean import Estimate
-from analysis.stats.one_sample_tests import Equivalence, equivalence_of
+from analysis.stats.one_sample_tests import Equivalence, equivalence
 
 MOST_PAIRED: Final = 3
 """Most conditions for which single comparisons decide; with more, their strengths decide."""
@@ -156,7 +156,7 @@ def _decided_by(comparisons: Sequence[Comparison]) -> Literal["comparisons", "st
 def _equivalent(comparison: Comparison, margin: float) -> Equivalent:
     return Equivalent(
         **{name: getattr(comparison, name) for name in ("set", "a", "b", "question")},
-        **vars(equivalence_of(comparison.win_share, margin, null=0.5)),
+        **vars(equivalence(comparison.win_share, margin, null=0.5)),
     )
 
 

@@ -259,7 +259,7 @@ def _results(
 def _p_values(fit: FittedStrengths, votes: Votes) -> Floats:
     """Return p for each pair of conditions; from the sign test if one never lost to the other."""
     if fit.two_way is None:
-        return np.full_like(fit.covariance, math.nan)
+        return np.full((len(fit.strengths),) * 2, math.nan)
     p_values = difference_tests(fit.strengths, fit.two_way)
     for a, b in combinations(range(len(fit.strengths)), 2):
         if fit.tiers[a] != fit.tiers[b]:

@@ -19,7 +19,7 @@ from scipy import stats
 
 from analysis.stats.clustered_mean import Interval
 from analysis.stats.rankings import Blocks, Placements, blocks_of_rankings, friedman
-from analysis.stats.samples import bootstrap_counts, finite, percentile_interval
+from analysis.stats.samples import bootstrap_counts, percentile_interval
 from motion.arrays import Floats, Ints
 
 RESAMPLES: Final = 2000
@@ -57,7 +57,7 @@ def krippendorff_alpha(
     raters, items : ndarray, shape (N,)
         The rater and the item of each answer; at most one answer for each pair.
     """
-    table = pd.DataFrame({"value": finite(values), "rater": raters, "item": items})
+    table = pd.DataFrame({"value": np.asarray(values, np.float64), "rater": raters, "item": items})
     table = table[table.groupby("item")["rater"].transform("size") > 1]
     domain, codes = np.unique(table["value"].to_numpy(), return_inverse=True)
     rows = pd.factorize(table["item"])[0]

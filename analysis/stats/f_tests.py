@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse, stats
 
-from analysis.stats.samples import ROUNDING, finite, group_means
+from analysis.stats.samples import ROUNDING, group_means
 from motion.arrays import Floats, Indices
 
 MIN_F: Final = (
@@ -64,7 +64,6 @@ def min_f(values: Floats, participants: NDArray[np.generic], items: NDArray[np.g
     participants, items : ndarray, shape (N,)
         The participant and the item of each answer.
     """
-    values = finite(values)
     means = group_means(values, participants), group_means(values, items)
     for group_mean, name in zip(means, ("participant", "segment"), strict=True):
         if len(group_mean) < 2:

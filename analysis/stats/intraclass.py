@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.stats.clustered_mean import Interval
-from analysis.stats.samples import finite
 from motion.arrays import Floats, Indices
 
 COMPLETE: Final = "two-way random effects, absolute agreement"
@@ -82,7 +81,7 @@ def intraclass_correlation(
     raters, items : ndarray, shape (N,)
         The rater and the item of each answer; at most one answer for each pair.
     """
-    y = finite(values)
+    y = np.asarray(values, np.float64)
     rater_codes, item_codes = pd.factorize(raters)[0], pd.factorize(items)[0]
     rater_count, item_count = (int(c.max(initial=-1)) + 1 for c in (rater_codes, item_codes))
     complete = len(y) == rater_count * item_count

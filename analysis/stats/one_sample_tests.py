@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.stats.clustered_mean import Estimate, Interval
-from analysis.stats.samples import ROUNDING, finite, tied_ranks
+from analysis.stats.samples import ROUNDING, tied_ranks
 from motion.arrays import Bools, Floats
 from motion.errors import InputError
 
@@ -41,7 +41,6 @@ def sign_test(values: Floats) -> SignTest:
     values : ndarray, shape (N,)
         One per independent unit: participants' means, not single answers.
     """
-    values = finite(values)
     nearly = ROUNDING * np.abs(values).max(initial=0.0)
     above, below = int((values > nearly).sum()), int((values < -nearly).sum())
     if not above + below:
@@ -96,7 +95,6 @@ def signed_rank(values: Floats) -> SignedRank:
     values : ndarray, shape (N,)
         One per independent unit: participants' means, not single answers.
     """
-    values = finite(values)
     size = np.abs(values)
     nonzero = size > ROUNDING * size.max(initial=0.0)
     if not nonzero.any():
@@ -160,7 +158,7 @@ def pooled_tests(towards_first: NDArray[np.number]) -> Pooled:
         Answers from -2 (clearly the second condition) over 0 (no difference) to 2 (clearly the
         first).
     """
-    answers = finite(towards_first)
+    answers = np.asarray(towards_first, np.float64)
     signs = sign_test(answers)
     return Pooled(
         binomial_p=signs.p_value,
@@ -192,7 +190,7 @@ class Equivalence(Interval):
         At .05. 'equivalent and different': there is a difference, but too small to matter.
         'undecided' justifies neither "comparable" nor "better"; 'unknown' if there is no test.
     n : int
-        Number of independent units; 0 if not given.
+        Number of answers.
     method : str
         The kind of tests.
     """
@@ -206,49 +204,41 @@ class Equivalence(Interval):
     method: str = ""
 
 
-def equivalence(
-    estimate: float, standard_error: float, margin: float, *, df: float, n: int = 0
-) -> Equivalence:
-    """Test whether a difference lies within a margin (Schuirmann 1987).
+def equivalence(estimate: Estimate, margin: float, *, null: float = 0.0) -> Equivalence:
+    """Test whether an estimate with a clustered interval is within a margin (Schuirmann 1987).
 
     Parameters
     ----------
-    estimate, standard_error : float
-        A difference, 0 for none, and its error: of means, log-odds, a win share minus one half.
+    estimate : Estimate
+        A mean, a share or a difference.
     margin : float
-        Largest difference that does not matter, in the unit of `estimate`.
-    df : float
-        Degrees of freedom of the error.
-    n : int
-        Number of independent units behind the estimate, for the result.
-
-    Raises
-    ------
-    InputError
-        If the margin is not above zero, or infinite.
+        Largest difference from `null` that does not matter, above 0, in the unit of `estimate`.
+    null : float
+        The estimate if there is no difference.
     """
-    require_margin(margin)
+    difference, error = estimate.estimate - null, estimate.standard_error
     unknown = Equivalence(
-        margin=margin, estimate=estimate, standard_error=standard_error, df=df, n=n
+        margin=margin,
+        estimate=difference,
+        standard_error=error,
+        df=estimate.df,
+        n=estimate.n,
+        reason=estimate.reason,
     )
-    if not math.isfinite(estimate):
-        return replace(unknown, reason="the difference is unknown")
-    if not (math.isfinite(standard_error) and standard_error > 0):
-        return replace(unknown, reason="the difference has no standard error")
-    if not df > 0:
-        return replace(unknown, reason="the error has no degrees of freedom")
-    law = stats.t(df)
-    half_width = float(law.ppf(1 - LEVEL)) * standard_error
-    above = float(law.sf((estimate + margin) / standard_error))
-    below = float(law.cdf((estimate - margin) / standard_error))
-    different = float(2 * law.sf(abs(estimate) / standard_error)) < LEVEL
+    if math.isnan(error):
+        return unknown
+    law = stats.t(estimate.df)
+    half_width = float(law.ppf(1 - LEVEL)) * error
+    above = float(law.sf((difference + margin) / error))
+    below = float(law.cdf((difference - margin) / error))
+    different = float(2 * law.sf(abs(difference) / error)) < LEVEL
     return replace(
         unknown,
-        low=estimate - half_width,
-        high=estimate + half_width,
+        low=difference - half_width,
+        high=difference + half_width,
         p_value=max(above, below),
         verdict=_verdict(max(above, below) < LEVEL, different),
-        method="two one-sided t tests",
+        method=f"two one-sided t tests, {estimate.method}",
     )
 
 
@@ -266,45 +256,6 @@ def require_margin(margin: float, below: float = math.inf) -> None:
             f"the margin of equivalence is {margin:g}",
             remedy=f"State the largest difference that does not matter, above 0{limit}",
         )
-
-
-def equivalence_of(estimate: Estimate, margin: float, *, null: float = 0.0) -> Equivalence:
-    """Test whether an estimate with a clustered interval is within the margin of `null`."""
-    test = equivalence(
-        estimate.estimate - null, estimate.standard_error, margin, df=estimate.df, n=estimate.n
-    )
-    return replace(
-        test,
-        method=f"{test.method}, {estimate.method}" if test.method else "",
-        reason=estimate.reason or test.reason,
-    )
-
-
-def equivalence_of_means(differences: Floats, margin: float) -> Equivalence:
-    """Test whether the mean of independent differences lies within a margin.
-
-    Parameters
-    ----------
-    differences : ndarray, shape (N,)
-        One per participant: their mean for one condition minus that for the other.
-    margin : float
-        See `equivalence`.
-    """
-    differences = finite(differences)
-    count = len(differences)
-    if count < 2:
-        mean = float(differences[0]) if count else math.nan
-        result = equivalence(mean, math.nan, margin, df=math.nan, n=count)
-        return replace(result, reason="fewer than two participants")
-    spread = float(differences.std(ddof=1))
-    if spread <= ROUNDING * float(np.abs(differences).max()):
-        spread = 0.0
-    result = equivalence(
-        float(differences.mean()), spread / math.sqrt(count), margin, df=count - 1, n=count
-    )
-    return (
-        result if spread else replace(result, reason="all participants differ by the same amount")
-    )
 
 
 def _verdict(equivalent: bool, different: bool) -> Verdict:

@@ -24,7 +24,6 @@ from analysis.stats.clustered_mean import (
     t_quantile,
     with_interval,
 )
-from analysis.stats.samples import finite
 from motion.arrays import Bools, Floats, Indices
 
 PAIRED: Final = "paired ratings"
@@ -75,7 +74,7 @@ def rated_cells(
     count : int
         Number of conditions.
     """
-    y = finite(values)
+    y = np.asarray(values, np.float64)
     clusters = Clusters.of(participants, segments)
     width = int(clusters.segments.max(initial=0)) + 1
     keys = clusters.participants * width + clusters.segments
@@ -161,7 +160,7 @@ def cliffs_delta(
     participants, segments : ndarray, shape (N,)
         The participant and the segment of each rating.
     """
-    y = finite(values)
+    y = np.asarray(values, np.float64)
     clusters = Clusters.of(participants, segments)
     first, second = int(of_first.sum()), int((~of_first).sum())
     dominance = np.where(of_first, _above(y, y[~of_first]), -_above(y, y[of_first]))

@@ -1,4 +1,4 @@
-"""Samples of answers: checked, grouped, ranked, and resampled by the two-way bootstrap.
+"""Samples of answers: grouped, ranked, and resampled by the two-way bootstrap.
 
 The bootstrap draws participants and items. An answer's weight is the product of the draws of its
 participant and of its item (the pigeonhole bootstrap of Owen 2007). It needs only the sums of each
@@ -14,28 +14,9 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from motion.arrays import Floats, Indices
-from motion.errors import InputError
 
 ROUNDING: Final = 1e-9
 """Numbers that differ by less, relative to the largest, are equal."""
-
-
-def finite(values: NDArray[np.number]) -> Floats:
-    """Return `values` as floats.
-
-    Raises
-    ------
-    InputError
-        If any value is missing or infinite.
-    """
-    numbers = np.asarray(values, np.float64)
-    if not np.isfinite(numbers).all():
-        raise InputError(
-            f"value {int(np.argmin(np.isfinite(numbers.ravel()))) + 1} of {numbers.size} is "
-            "missing or infinite",
-            remedy="Leave out answers that are missing",
-        )
-    return numbers
 
 
 def group_means(values: Floats, groups: NDArray[np.generic]) -> Floats:

@@ -241,10 +241,8 @@ class FittedStrengths:
         The conditions, in the order of all arrays.
     strengths : ndarray, shape (conditions,)
         Log strengths; NaN if they are not identified.
-    covariance : ndarray, shape (conditions, conditions)
-        Covariance of the strengths, clustered by participant (CR0).
     errors, errors_by_model : ndarray, shape (conditions,)
-        Standard errors: clustered by participant; of the model.
+        Standard errors: clustered by participant (CR0); of the model.
     two_way : TwoWayErrors or None
         Errors clustered by participant and segment; None without strengths, or for one participant.
     log_likelihood : float
@@ -263,7 +261,6 @@ class FittedStrengths:
 
     conditions: tuple[str, ...]
     strengths: Floats
-    covariance: Floats
     errors: Floats
     errors_by_model: Floats
     two_way: TwoWayErrors | None = None
@@ -292,15 +289,11 @@ def strength_fields(linked: Links, data: Choices, fit: ChoiceFit) -> dict[str, A
     """
     free = len(linked.tiers) - 1
     centre = centring(free + 1)
-    clustered, by_model = (
-        centre @ covariance[:free, :free] @ centre.T for covariance in (fit.clustered, fit.by_model)
-    )
     influences = fit.influences[:, :free] @ centre.T
     return {
         "strengths": centre @ fit.estimates[:free],
-        "covariance": clustered,
-        "errors": standard_errors(clustered),
-        "errors_by_model": standard_errors(by_model),
+        "errors": standard_errors(centre @ fit.clustered[:free, :free] @ centre.T),
+        "errors_by_model": standard_errors(centre @ fit.by_model[:free, :free] @ centre.T),
         "two_way": TwoWayErrors.of(
             influences, data.situation_of, data.chosen, data.participant, data.segment
         ),
@@ -312,9 +305,5 @@ def strength_fields(linked: Links, data: Choices, fit: ChoiceFit) -> dict[str, A
 
 def unknown_strengths(count: int) -> dict[str, Any]:
     """Return the fields of `FittedStrengths` for `count` conditions without strengths."""
-    missing = np.full(count, math.nan)
-    errors = dict.fromkeys(("strengths", "errors", "errors_by_model"), missing)
-    return errors | {
-        "covariance": np.full((count, count), math.nan),
-        "tiers": np.zeros(count, np.intp),
-    }
+    errors = ("strengths", "errors", "errors_by_model")
+    return dict.fromkeys(errors, np.full(count, math.nan)) | {"tiers": np.zeros(count, np.intp)}

@@ -83,9 +83,7 @@ def conclude_equivalence(
     study = preferences(design, generator)
     share = clustered_mean(study.wins, study.participants, study.items)
     margin = true_win_share(replace(design, effect=EFFECT)) - 0.5
-    df = min(share.participants, share.segments) - 1
-    found = equivalence(share.estimate - 0.5, share.standard_error, margin, df=df)
-    return {EQUIVALENT: Conclusion(p_value=found.p_value)}
+    return {EQUIVALENT: Conclusion(p_value=equivalence(share, margin, null=0.5).p_value)}
 
 
 def conclude_heterogeneity(

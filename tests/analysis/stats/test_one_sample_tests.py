@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 from scipy import stats
 from statsmodels.stats.weightstats import DescrStatsW
 
+from analysis.stats.clustered_mean import Estimate, clustered_mean
 from analysis.stats.one_sample_tests import (
     equivalence,
-    equivalence_of_means,
     pooled_tests,
+    require_margin,
     sign_test,
     signed_rank,
 )
@@ -63,30 +64,33 @@ def test_rounding_errors_around_zero_count_as_zero() -> None:
 def test_equivalence_agrees_with_another_implementation() -> None:
     differences = np.random.default_rng(3).normal(0.1, 0.5, 40)
     expected = DescrStatsW(differences)
-    result = equivalence_of_means(differences, 0.3)
+    people = clustered_mean(differences, np.arange(40), np.zeros(40), null=0, limits=(-9, 9))
+    result = equivalence(people, 0.3)
     assert result.p_value == pytest.approx(expected.ttost_mean(-0.3, 0.3)[0])
     assert (result.low, result.high) == pytest.approx(expected.tconfint_mean(alpha=0.1))
-    assert (result.verdict, result.n, result.df) == ("equivalent", 40, 39)
+    assert (result.verdict, result.n) == ("equivalent", 40)
+    assert result.df == pytest.approx(39)
 
 
 @pytest.mark.parametrize(
     ("estimate", "error", "verdict"),
     [
-        (0.0, 0.1, "equivalent"),
-        (0.2, 0.05, "equivalent and different"),
-        (0.9, 0.1, "different"),
-        (0.2, 0.3, "undecided"),
+        (0.5, 0.1, "equivalent"),
+        (0.7, 0.05, "equivalent and different"),
+        (1.4, 0.1, "different"),
+        (0.7, 0.3, "undecided"),
     ],
 )
 def test_equivalence_distinguishes_four_cases(estimate: float, error: float, verdict: str) -> None:
-    assert equivalence(estimate, error, 0.5, df=200).verdict == verdict
+    share = Estimate(estimate=estimate, standard_error=error, df=200)
+    assert equivalence(share, 0.5, null=0.5).verdict == verdict
 
 
 @given(st.floats(-2, 2), st.floats(0.01, 2), st.floats(0.01, 2), st.floats(1, 200))
 def test_means_are_equivalent_if_the_interval_lies_within_the_margins(
     estimate: float, error: float, margin: float, df: float
 ) -> None:
-    result = equivalence(estimate, error, margin, df=df)
+    result = equivalence(Estimate(estimate=estimate, standard_error=error, df=df), margin)
     within = -margin < result.low and result.high < margin
     if abs(result.p_value - 0.05) > 1e-9:
         assert within == (result.p_value < 0.05) == result.verdict.startswith("equivalent")
@@ -95,4 +99,4 @@ def test_means_are_equivalent_if_the_interval_lies_within_the_margins(
 @pytest.mark.parametrize("margin", [0, -0.1, math.nan, math.inf])
 def test_a_margin_must_be_positive(margin: float) -> None:
     with pytest.raises(InputError, match="the margin of equivalence is"):
-        equivalence(0.0, 0.1, margin, df=200)
+        require_margin(margin)

@@ -33,8 +33,11 @@ def test_strengths_and_clustered_errors_agree_with_the_reference(name: str) -> N
     )
 
     assert result.strengths == pytest.approx([reference["centred"][c] for c in SYSTEMS], abs=1e-6)
-    own = np.diagonal(result.covariance)
-    assert list(np.sqrt(own + own[0] - 2 * result.covariance[0])[1:]) == pytest.approx(
+    assert result.two_way is not None
+    # CR0 has no factor G / (G - 1).
+    covariance = result.two_way.by_participant * (1 - 1 / result.participants)
+    own = np.diagonal(covariance)
+    assert list(np.sqrt(own + own[0] - 2 * covariance[0])[1:]) == pytest.approx(
         list(reference["se_cluster_participant_CR0"].values()), rel=1e-4
     )
     assert result.log_likelihood == pytest.approx(reference["loglik"], abs=1e-6)
