@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,29 +10,20 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.cli.report_command import parse_exclusion
-from studyapp.study.settings.reading import parse_study, read_study
+from studyapp.study.settings.reading import read_study
 from studyapp.study.settings.study import Study
 from studyapp.study.study_file import TEMPLATES, new_study
+from tests.studyapp.study.protocols.made_protocols import make
 
-Read = Callable[..., Study]
 
-
-@pytest.fixture
-def read(tmp_path: Path) -> Read:
-    """Return a function that reads the template with other catch trials, checks and rules."""
-    path = tmp_path / "study.toml"
-    new_study(path, name="study")
-    template = tomllib.loads(path.read_text("utf-8"))
-
-    def changed(
-        rules: list[dict[str, Any]] | None = None,
-        catch: dict[str, Any] | None = None,
-        attention: dict[str, Any] | None = None,
-    ) -> Study:
-        data = template | {"catch": catch or {}, "attention": attention or {}}
-        return parse_study(data if rules is None else data | {"exclusions": rules}, where=path)
-
-    return changed
+def read(
+    rules: list[dict[str, Any]] | None,
+    catch: dict[str, Any] | None = None,
+    attention: dict[str, Any] | None = None,
+) -> Study:
+    """Return a study with these rules, catch trials and attention checks."""
+    stated = {} if rules is None else {"exclusions": rules}
+    return make("pairwise", catch=catch or {}, attention=attention or {}, **stated)
 
 
 def written(study: Study) -> list[str]:
@@ -64,7 +53,6 @@ def written(study: Study) -> list[str]:
     ],
 )
 def test_stated_rules_replace_the_default_ones(
-    read: Read,
     rules: list[dict[str, Any]] | None,
     catch: dict[str, Any],
     attention: dict[str, Any],
@@ -83,7 +71,7 @@ def test_stated_rules_replace_the_default_ones(
     ],
 )
 def test_impossible_values_are_refused_with_their_place(
-    read: Read, rules: list[Any], catch: dict[str, Any], said: str
+    rules: list[Any], catch: dict[str, Any], said: str
 ) -> None:
     with pytest.raises(InputError, match=re.escape(said)):
         read(rules, catch)
