@@ -111,12 +111,6 @@ def command(
             where=f"address {address!r}, prefix {prefix!r}",
             remedy="Make the path of the address the same as the prefix",
         )
-    if accel_prefix is not None and not accel_prefix.startswith("/"):
-        raise InputError(
-            "this is not an internal location of nginx",
-            where=f"accel-redirect {accel_prefix!r}",
-            remedy="Begin it with /, such as /videos-of-one/",
-        )
     is_elsewhere = bool(os.environ.get("DATABASE_URL"))
     if not is_elsewhere:
         refuse_second_database(folder)

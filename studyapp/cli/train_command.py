@@ -237,11 +237,6 @@ def generator_command(name: str) -> click.Command:
             default=Path(f"{name}.safetensors"),
             help="The network's file; the training run is stored beside it.",
         ),
-        click.option(
-            "--cache",
-            type=FOLDER,
-            help="Folder for the recordings' features; by default features, beside --out.",
-        ),
         *(
             click.option(
                 f"--{choice.name.replace('_', '-')}", type=_type_of(choice), help=choice.help
@@ -283,7 +278,6 @@ def _train_generator(
     split: Path | None,
     config: str,
     out: Path,
-    cache: Path | None,
     seed: int,
     device: Device,
     **options: Any,
@@ -301,7 +295,7 @@ def _train_generator(
             request = TrainingRequest(
                 takes=takes,
                 out=out,
-                cache=cache or out.parent / "features",
+                cache=out.parent / "features",
                 config=config,
                 changes={
                     "seed": seed,

@@ -83,7 +83,6 @@ REFUSED: dict[str, dict[str, str]] = {
     "serve": {
         "study --prefix /one --address https://x.org/two": "does not end with the prefix",
         "study --prefix /one --address x.org/one": "not the address of a study",
-        "study --accel-redirect videos/": "not an internal location of nginx",
     },
     "export": {
         "study": "no database of answers yet. If the study is served with DATABASE_URL",
