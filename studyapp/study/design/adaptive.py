@@ -43,14 +43,20 @@ def most_informative_pairs(
         The answers so far; other conditions are ignored.
     """
     strengths, covariance = posterior(conditions, votes)
-    indices = list(combinations(range(len(conditions)), 2))
+    pairs = list(combinations(conditions, 2))
+    contrasts = np.array([[(c == a) - (c == b) for c in conditions] for a, b in pairs], np.float64)
+    probabilities = 1 / (1 + np.exp(-contrasts @ strengths))
+    information = probabilities * (1 - probabilities)
     chosen: list[Pair] = []
     for _ in range(count):
-        gains = np.array([_expected_information(strengths, covariance, i, j) for i, j in indices])
-        best = np.flatnonzero(gains >= gains.max() - TOLERANCE)
-        i, j = indices[int(chance.choice(best))]
-        chosen.append((conditions[i], conditions[j]))
-        covariance = _update_covariance(strengths, covariance, i, j)
+        variances = ((contrasts @ covariance) * contrasts).sum(axis=1)
+        gains = 0.5 * np.log1p(information * variances)
+        best = int(chance.choice(np.flatnonzero(gains >= gains.max() - TOLERANCE)))
+        chosen.append(pairs[best])
+        # The covariance after one more answer about this pair (Sherman-Morrison).
+        row = covariance @ contrasts[best]
+        gain = information[best] / (1 + information[best] * variances[best])
+        covariance = covariance - np.outer(row, row) * gain
     return chosen
 
 
@@ -78,22 +84,3 @@ def posterior(conditions: Sequence[str], votes: Tally) -> tuple[Floats, Floats]:
         if np.abs(step).max() < TOLERANCE:
             break
     return strengths, np.linalg.inv(precision)
-
-
-def _information(strengths: Floats, i: int, j: int) -> float:
-    probability = 1 / (1 + np.exp(strengths[j] - strengths[i]))
-    return float(probability * (1 - probability))
-
-
-def _expected_information(strengths: Floats, covariance: Floats, i: int, j: int) -> float:
-    variance = covariance[i, i] + covariance[j, j] - 2 * covariance[i, j]
-    return float(0.5 * np.log1p(_information(strengths, i, j) * variance))
-
-
-def _update_covariance(strengths: Floats, covariance: Floats, i: int, j: int) -> Floats:
-    """Return the covariance after one more answer about a pair (Sherman–Morrison)."""
-    information = _information(strengths, i, j)
-    row = covariance[i] - covariance[j]
-    gain = information / (1 + information * (row[i] - row[j]))
-    updated: Floats = covariance - np.outer(row, row) * gain
-    return updated
