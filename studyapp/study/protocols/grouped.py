@@ -42,6 +42,8 @@ class GroupedStudy(Study):
         The key of its parts in the study file.
     """
 
+    asks_each_stimulus: ClassVar = True
+
     key_of_parts: ClassVar[str]
 
     def problems(self) -> list[str]:
@@ -62,11 +64,6 @@ class GroupedStudy(Study):
     def parts(self) -> tuple[str, ...]:
         """The names of the sets or blocks."""
         return tuple(part.name for part in getattr(self, self.key_of_parts))
-
-    @property
-    def asks_each_stimulus(self) -> bool:
-        """Every motion is rated or ranked."""
-        return True
 
     @property
     def reference_condition(self) -> str | None:

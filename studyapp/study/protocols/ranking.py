@@ -72,6 +72,7 @@ class RankingStudy(GroupedStudy):
         Shown one after the other.
     """
 
+    is_ordered: ClassVar = True
     key_of_parts: ClassVar = "blocks"
 
     protocol: Literal["ranking"] = "ranking"
@@ -142,11 +143,6 @@ class RankingStudy(GroupedStudy):
         """Return the ranks, 1 the best."""
         del question
         return range(1, len(trial.conditions) + 1)
-
-    @property
-    def is_ordered(self) -> bool:
-        """The ranks of all motions make one order."""
-        return True
 
     def problem(self, trial: Trial, answers: Answers) -> Message | None:
         """Name the first question whose ranks are not a ranking."""

@@ -15,6 +15,8 @@ Device = Literal["computer", "tablet", "phone"]
 
 Language = Literal["en", "de", "ja"]
 
+FrozenChannel = Literal["face", "hands", "lower_body", "root"]
+
 Framing = Literal["upper_body", "full_body", "face", "hands"]
 
 Avatar = Literal["alex", "maya", "jonas", "amara", "henry", "grey", "mannequin", "skeleton"]

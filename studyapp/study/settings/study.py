@@ -5,13 +5,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import permutations
-from typing import Annotated, Final, Literal, Self
+from typing import Annotated, ClassVar, Final, Literal, Self
 
 from numpy.random import Generator
 from pydantic import BeforeValidator, Field, model_validator
 
 from analysis.results.grouping import read_family
-from motion.clip import CHANNELS
 from motion.errors import InputError
 from motion.segment import Segment
 from studyapp.study.design.allocation import draw_segments
@@ -42,7 +41,7 @@ from studyapp.study.settings.exclusions import (
     exclusion_problems,
     settle_exclusions,
 )
-from studyapp.study.settings.presentation import Message, Page, Video, Watching
+from studyapp.study.settings.presentation import FrozenChannel, Message, Page, Video, Watching
 from studyapp.study.settings.questions import (
     Form,
     Question,
@@ -146,6 +145,12 @@ class Study(Section, ABC):
         When researchers are alerted, and where.
     """
 
+    asks_each_stimulus: ClassVar[bool] = False
+    """Whether questions are about each stimulus rather than the whole trial."""
+
+    is_ordered: ClassVar[bool] = False
+    """Whether the answers to a question are ranks."""
+
     format: Literal[1] = 1
     name: Name
     title: str = Field(min_length=1, max_length=200)
@@ -156,7 +161,7 @@ class Study(Section, ABC):
     replace_excluded: bool = False
     allow_gaps: bool = False
     seed: int = Field(1, ge=0, le=2**32 - 1)
-    freeze: tuple[str, ...] = Field((), strict=False)
+    freeze: tuple[FrozenChannel, ...] = Field((), strict=False)
     conditions: dict[Name, Condition] = Field(min_length=1)
     catch: Catch = Catch()
     attention: Attention = Attention()
@@ -270,11 +275,6 @@ class Study(Section, ABC):
         return self
 
     @property
-    def asks_each_stimulus(self) -> bool:
-        """Whether questions are about each stimulus rather than the whole trial."""
-        return False
-
-    @property
     def asks_about_face(self) -> bool:
         """Whether a question names the face."""
         return any(is_about_face(question.text) for question in self.questions)
@@ -286,11 +286,6 @@ class Study(Section, ABC):
             sum(question.belongs_to(part) for question in self.questions)
             for part in self.parts or ("",)
         )
-
-    @property
-    def is_ordered(self) -> bool:
-        """Whether the answers to a question are ranks."""
-        return False
 
     @property
     def follows_votes(self) -> bool:
@@ -311,8 +306,6 @@ class Study(Section, ABC):
 
     def problems(self) -> list[str]:
         """Return all contradictions between keys; protocols add their own."""
-        unknown = sorted(set(self.freeze) - set(CHANNELS))
-        known = ", ".join(CHANNELS)
         has_equivalence_tests = self.protocol in ("pairwise", "rating")
         needless_margin = f"margin: a {self.protocol} study has no test of equivalence"
         return [
@@ -320,7 +313,6 @@ class Study(Section, ABC):
             *label_problems(self.conditions, self.catch),
             *source_problems(self.conditions),
             *question_problems(self.questions, self.parts),
-            *([f"freeze: unknown {', '.join(unknown)} (use {known})"] if unknown else []),
             *exclusion_problems(self.exclusions, self.catch, self.attention),
             *([needless_margin] if self.margin is not None and not has_equivalence_tests else []),
             *self._family_problems(),

@@ -6,10 +6,11 @@ from typing import Any, get_args
 
 import pytest
 
+from motion.clip import CHANNELS
 from motion.errors import InputError
 from renderer.look import AVATARS, FRAMINGS, VIEWS
 from studyapp.study.protocols.pairwise import PairwiseStudy
-from studyapp.study.settings.presentation import Video
+from studyapp.study.settings.presentation import FrozenChannel, Video
 from studyapp.study.settings.reading import parse_text, read_study
 from studyapp.study.study_file import new_study, render_template
 from tests.support.studies.redefining import set_keys
@@ -33,7 +34,7 @@ def study_file(tmp_path: Path) -> Path:
         # No win share is further from one half: any two conditions would be equivalent.
         ({"margin": 0.5}, "margin: must be less than 0.5"),
         ({"practice": 20, "trials": 10}, "practice (20) is more than trials (10)"),
-        ({"freeze": ["nose"]}, "freeze: unknown nose"),
+        ({"freeze": ["nose"]}, "freeze.0: must be 'face'"),
         ({"conditions.rule_based.generator": "magic"}, "unknown generator 'magic'"),
         ({"conditions.mismatched.source": "nobody"}, "source 'nobody' is not another condition"),
         ({"conditions.rule_based.source": "mismatched"}, "source has no effect here"),
@@ -173,6 +174,7 @@ def test_sources_are_generated_before_their_dependents(study_file: Path) -> None
 def test_offered_looks_match_the_renderers() -> None:
     for key, known in (("avatar", AVATARS), ("framing", FRAMINGS), ("view", VIEWS)):
         assert get_args(Video.model_fields[key].annotation) == tuple(known)
+    assert get_args(FrozenChannel) == tuple(CHANNELS)
 
 
 def test_one_published_evaluator_is_named_as_a_table_and_several_as_a_list(
