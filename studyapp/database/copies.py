@@ -53,20 +53,18 @@ def write_copy(url: str, file: Path) -> None:
     InputError
         If there is no database, or it cannot be read.
     """
-    database = Database.open_existing(url, of_any_age=True)
     try:
-        if database.engine.dialect.name == "sqlite":
-            _copy_file(database, file)
-        else:
-            _copy_rows_to_file(database, file)
+        with closing(Database.open_existing(url, of_any_age=True)) as database:
+            if database.engine.dialect.name == "sqlite":
+                _copy_file(database, file)
+            else:
+                _copy_rows_to_file(database, file)
     except (DBAPIError, sqlite3.Error) as error:
         raise InputError(
             f"the database could not be copied: {getattr(error, 'orig', error)}",
             where=display_address(url),
             remedy="Check that it is intact, and that there is space where the copy is written",
         ) from error
-    finally:
-        database.close()
 
 
 def compact(file: Path) -> None:
@@ -118,13 +116,10 @@ def require_empty(url: str) -> None:
         return
     # Opened properly first, because that explains what is wrong with an address.
     database = Database.open_for_reading(url, of_any_age=True) or Database.open_unchecked(url)
-    try:
-        with database.engine.connect() as connection:
-            tables = MetaData()
-            tables.reflect(connection, only=lambda name, _: name != SCHEMA)
-            filled = [name for name, rows in row_counts(connection, tables).items() if rows]
-    finally:
-        database.close()
+    with closing(database), database.engine.connect() as connection:
+        tables = MetaData()
+        tables.reflect(connection, only=lambda name, _: name != SCHEMA)
+        filled = [name for name, rows in row_counts(connection, tables).items() if rows]
     if filled:
         raise _not_empty_error(url, f"{filled[0]} has rows")
 
@@ -184,14 +179,11 @@ def row_counts(connection: Connection, tables: MetaData) -> dict[str, int]:
 
 def _copy_file(database: Database, file: Path) -> None:
     """Copy an SQLite database with SQLite's backup, which does not block writers."""
-    connection = database.engine.raw_connection()
-    try:
+    with closing(database.engine.raw_connection()) as connection:
         source: Any = connection.driver_connection
         with closing(sqlite3.connect(file)) as copy:
             source.backup(copy)
         compact(file)
-    finally:
-        connection.close()
 
 
 def _copy_rows_to_file(database: Database, file: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from typing import Any, Final
 
 from sqlalchemy import Engine
@@ -49,8 +50,7 @@ def scrub(database: Database) -> None:
 
 
 def _rewrite_sqlite(engine: Engine) -> None:
-    with hold_writer_lock(engine):
-        connection = engine.raw_connection()
+    with hold_writer_lock(engine), closing(engine.raw_connection()) as connection:
         try:
             cursor = connection.cursor()
             cursor.execute("VACUUM")
@@ -59,8 +59,6 @@ def _rewrite_sqlite(engine: Engine) -> None:
             cursor.close()
         except sqlite3.Error as error:
             raise _unfinished(str(error)) from error
-        finally:
-            connection.close()
     if busy:
         raise _unfinished("somebody is reading an earlier state of it")
 

@@ -6,14 +6,13 @@ import json
 import shutil
 from pathlib import Path
 
-import pandas as pd
 import pytest
 
 from studyapp.database.engine import Database
 from studyapp.database.tables.researchers import Event
 from studyapp.researchers.audit import latest_changes
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.export.tables import export, pseudonyms
+from studyapp.results.export.tables import pseudonyms
 from studyapp.results.report import report
 from studyapp.results.stored_answers import stored_answers
 from studyapp.session.intake import add_places
@@ -83,8 +82,8 @@ def test_only_a_known_participant_is_excluded_and_no_database_is_made(folder: St
     assert not folder.responses.exists()
 
 
-def test_report_and_export_apply_exclusions_by_hand_after_the_rules_and_mark_them(
-    folder: StudyFolder, tmp_path: Path
+def test_reports_apply_exclusions_by_hand_after_the_rules_and_mark_them(
+    folder: StudyFolder,
 ) -> None:
     for name in ("2", "4"):
         exclude(folder, name)
@@ -109,17 +108,6 @@ def test_report_and_export_apply_exclusions_by_hand_after_the_rules_and_mark_the
     assert "1 participant whom the earlier rules would have kept was excluded by hand" in page
     assert "excluded by a researcher (exploratory)" in page
 
-    export(folder, tmp_path / "answers.csv")
-
-    people = pd.read_csv(tmp_path / "answers_participants.csv").set_index("study_session")
-    exclusion = [people.loc[2, f"exclusion_{field}"] for field in ("rule", "kind", "reason")]
-    # What a spreadsheet would compute is quoted.
-    assert exclusion == ["researcher", "by hand", f"'{REASON}"]
-    answers = pd.read_csv(tmp_path / "answers.csv")
-    assert not answers.loc[answers["study_session"] == 2, "analysed"].any()
-    log = pd.read_csv(tmp_path / "answers_log.csv")
-    by_hand = log[log["event"] == "participant_excluded"]
-    assert by_hand["reason"].tolist() == [f"'{REASON}"] * 2
     folder.shared_answers.touch()
     passed_on = run("exclude", folder.root, "1", "--reason", "asleep", status=1)
     assert "comes from another lab" in passed_on
