@@ -187,9 +187,10 @@ def _rows(table: Path) -> list[tuple[int, Mapping[str, str]]]:
         text = table.read_text(encoding="utf-8-sig")
     except FileNotFoundError as error:
         raise InputError(
-            "the table of speech segments is missing",
+            "there is no speech yet: the table of its segments is missing",
             where=table,
-            remedy=f"Make it with the columns {','.join(COLUMNS)}",
+            remedy="Bring recordings in with 'motionjury import', or make the table with the "
+            f"columns {','.join(COLUMNS)}",
         ) from error
     except UnicodeDecodeError as error:
         raise InputError(

@@ -147,12 +147,6 @@ class StudyFolder:
 
     def segments(self) -> tuple[Segment, ...]:
         """Read the segments; `InputError` if there are none yet."""
-        if not (self.speech / "segments.csv").exists():
-            raise InputError(
-                "the study has no speech yet",
-                where=self.speech / "segments.csv",
-                remedy="Bring recordings in with 'motionjury import'",
-            )
         return read_segments(self.speech)
 
     def segments_of(self, study: Study) -> tuple[Segment, ...]:

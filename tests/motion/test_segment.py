@@ -121,7 +121,7 @@ def test_an_error_names_the_file_and_line_of_a_bad_row(
 @pytest.mark.parametrize(
     ("content", "complaint"),
     [
-        (None, "the table of speech segments is missing"),
+        (None, "the table of its segments is missing"),
         ("", f"exactly the columns {HEADER.strip()}"),
         (HEADER.replace(",", ";"), f"exactly the columns {HEADER.strip()}"),
         (HEADER.replace("wav", "sound"), f"exactly the columns {HEADER.strip()}"),

@@ -89,7 +89,7 @@ def test_the_table_shows_present_missing_and_bad_material(
     assert table_cells["take-0", "rule based"] == table_cells["take-0", "mismatched"] == "bad"
     assert f"{pair} has no sound. Do it." in ada.get(f"{MATERIAL}/mismatched/take-0").text
     shutil.rmtree(folder.speech)
-    assert "the study has no speech yet" in ada.get(MATERIAL).text.lower()
+    assert "there is no speech yet" in ada.get(MATERIAL).text.lower()
     ada.get(TINY)
 
 
