@@ -120,22 +120,15 @@ def mismatch_table(
 ) -> pd.DataFrame:
     """Own speech is preferred in the first condition and makes no difference in the second."""
     chance = np.random.default_rng(seed)
-    rows = []
-    for person in range(participants):
-        for segment in range(segments):
-            for place, condition in enumerate(conditions):
-                left = "own" if chance.random() < 0.5 else "other"
-                right = "other" if left == "own" else "own"
-                net = (1.0 if place == 0 else 0.0) * (1 if right == "own" else -1)
-                answer = int(np.digitize(net + chance.logistic(), THRESHOLDS)) + 1
-                rows.append(
-                    (f"p{person:02d}", f"s{segment}", "fits", condition, left, right, answer)
-                )
-    header = [
-        *("participant", "segment", "question", "condition"),
-        *("left_speech", "right_speech", "response"),
-    ]
-    return pd.DataFrame(rows, columns=header)
+    table = crossed(participants, segments, condition=conditions)
+    own_right = chance.random(len(table)) < 0.5
+    net = np.where(table["condition"] == conditions[0], np.where(own_right, 1.0, -1.0), 0.0)
+    return table.assign(
+        question="fits",
+        left_speech=np.where(own_right, "other", "own"),
+        right_speech=np.where(own_right, "own", "other"),
+        response=np.digitize(net + chance.logistic(size=len(table)), THRESHOLDS) + 1,
+    )
 
 
 TABLES = {

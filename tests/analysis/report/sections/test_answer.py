@@ -1,8 +1,8 @@
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -22,20 +22,6 @@ from tests.analysis.results.made_tables import (
     rating_table,
     report_of,
 )
-
-Answered = Callable[..., tuple[str, str]]
-
-
-@pytest.fixture
-def answered(tmp_path: Path) -> Answered:
-    """Return a table's answer in one sentence, and the remarks on its certainty."""
-
-    def read(table: pd.DataFrame, protocol: str, **settings: float | str) -> tuple[str, str]:
-        report = report_of(table, protocol, tmp_path, **settings)
-        subject = subject_of(report)
-        return answer(report, subject)[0], " ".join(certainty(report, subject))
-
-    return read
 
 
 def test_a_preference_is_stated_with_the_deciding_estimate_and_its_sample(
@@ -61,63 +47,106 @@ def test_a_preference_is_stated_with_the_deciding_estimate_and_its_sample(
     assert log_odds in answer(modelled, subject_of(modelled))[0]
 
 
-def test_undecided_comparisons_are_not_called_equal_unless_a_margin_was_stated(
-    answered: Answered,
-) -> None:
-    table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=40, segments=20)
-
-    effect, certainty_words = answered(table, "pairwise")
-    within, further = answered(table, "pairwise", margin=0.2)
-
-    assert effect.startswith("The test is not significant")
-    assert "no evidence that two conditions are equally good" in certainty_words
-    assert within.endswith("; equivalent within 0.2: twin and ours on emotion.")
-    assert "Equivalent" not in further
+def all_prefer(table: pd.DataFrame, condition: str) -> pd.DataFrame:
+    return table.assign(response=(table["left"] == condition).map({True: 1, False: 5}))
 
 
-def test_if_everybody_agrees_the_sign_test_decides_and_is_mentioned_once(
-    answered: Answered,
-) -> None:
-    table = pairwise_table(
-        ("ours", "other"), ("emotion", "rhythm"), participants=9, effects=(0.0, 0.0)
-    )
-    table["response"] = (table["left"] == "ours").map({True: 1, False: 5})
-    fewer = table[(table["question"] != "rhythm") | (table["participant"] != "p00")]
-    effect, certainty_words = answered(fewer, "pairwise")
+def in_opposite_halves() -> pd.DataFrame:
+    """One of two participants always prefers a, the other b."""
+    table = pairwise_table(("a", "b"), effects=(0.0, 0.0), participants=2)
+    is_a = (table["left"] == "a") == (table["participant"] == "p00")
+    return table.assign(response=is_a.map({True: 1, False: 5}))
 
-    assert effect.startswith("Participants preferred ours to other on emotion (share of ")
-    replaced = "tests use the exact sign test, because the usual test cannot be used"
-    assert certainty_words.count(replaced) == 1
+
+def with_a_busy_participant() -> pd.DataFrame:
+    table = pairwise_table(("ours", "other"), effects=(0.5, 0.0), participants=12, segments=12)
+    busy = pd.concat([table[table["participant"] == "p00"]] * 9)
+    return pd.concat([table, busy.assign(trial=range(1000, 1000 + len(busy)))])
+
+
+TWINS = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=40, segments=20)
+AGREED = all_prefer(pairwise_table(("a", "b"), ("x", "y"), participants=9, effects=(0, 0)), "a")
+TIED = pairwise_table(("a", "b"), ("emotion", "rhythm"), effects=(0.0, 0.0), participants=20)
+TIED["response"] = TIED["response"].where(TIED["question"] == "emotion", 3)
+ONE_OF_TWO = "; 1 of the other 2 tests is also significant."
+
+
+def of_three(*effects: float) -> pd.DataFrame:
+    return pairwise_table(("a", "b", "c"), effects=effects, participants=20, segments=8)
 
 
 @pytest.mark.parametrize(
-    ("protocol", "table", "words"),
+    ("table", "settings", "answer_words", "certainty_words"),
     [
+        # Undecided comparisons are not called equal unless a margin was stated.
+        (TWINS, {}, "The test is not significant", "no evidence that two conditions are equally"),
+        (TWINS, {"margin": 0.2}, "; equivalent within 0.2: twin and ours on emotion.", ""),
+        # If everybody agrees, the sign test decides.
         (
-            "rating",
+            AGREED[(AGREED["question"] == "x") | (AGREED["participant"] != "p00")],
+            {},
+            "Participants preferred a to b on x (share of ",
+            "tests use the exact sign test, because the usual test cannot be used",
+        ),
+        # The first sentence names the largest effect and counts the others.
+        (of_three(3.0, 3.0, 0.0), {}, ONE_OF_TWO, "Also preferred: "),
+        (of_three(0.0, 0.0, 3.0), {}, ONE_OF_TWO, "Also preferred: "),
+        (of_three(4.0, 0, -4.0), {}, "; all of the other 2 tests are also", "Also preferred: "),
+        # Only the tests of the family that could be run are counted.
+        (
+            pairwise_table("abcdef", effects=(3.0, 0, 0, 0, 0, 0), participants=20, segments=10),
+            {"family": "against=b"},
+            "; none of the other 4 tests is significant.",
+            "4 of 5 tests are not significant",
+        ),
+        (TIED, {}, "The only test that could be run is not significant", "1 test could not be run"),
+        (in_opposite_halves(), {}, "after Holm's correction).", ""),
+        (
+            with_a_busy_participant(),
+            {},
+            "",
+            "Some participants gave far more answers than others. ",
+        ),
+        # Each protocol is answered by its own measure.
+        (
             rating_table(participants=16, segments=10),
+            {},
             "preferred truth to static on match (mean difference ",
+            "",
         ),
         (
-            "ranking",
             ranking_table(participants=16, segments=10),
+            {},
             "preferred truth to static on realism (difference of worths in logits ",
+            "All conditions tested together: on realism (F(2, ",
         ),
         (
-            "mismatch",
             mismatch_table(participants=40, segments=12),
+            {},
             "truth with its own speech to truth with another's speech on fits",
+            "",
         ),
-        ("ranking", ranking_table(participants=4).assign(rank=1), "No test could be run: every "),
+        (ranking_table(participants=4).assign(rank=1), {}, "No test could be run: every ", ""),
     ],
 )
-def test_each_protocol_is_answered_by_its_own_measure(
-    answered: Answered, protocol: str, table: pd.DataFrame, words: str
+def test_the_answer_and_its_certainty_are_those_of_the_deciding_tests(
+    table: pd.DataFrame,
+    settings: dict[str, Any],
+    answer_words: str,
+    certainty_words: str,
+    tmp_path: Path,
 ) -> None:
-    effect, certainty_words = answered(table, protocol)
-    assert words in effect
-    tested_together = "All conditions tested together: on realism (F(2, " in certainty_words
-    assert tested_together == (words.startswith("preferred") and protocol == "ranking")
+    columns = {"left": "pairwise", "rank": "ranking", "left_speech": "mismatch"}
+    protocol = next((columns[name] for name in columns if name in table), "rating")
+    report = report_of(table, protocol, tmp_path, **settings)
+    subject = subject_of(report)
+
+    effect, said = answer(report, subject)[0], " ".join(certainty(report, subject))
+
+    assert answer_words in effect
+    assert effect.count(" preferred ") <= 1
+    assert said.count(certainty_words) == 1 or not certainty_words
+    assert "Equivalent" not in said
 
 
 def test_an_interval_that_does_not_decide_is_explained(tmp_path: Path) -> None:
@@ -136,53 +165,6 @@ def test_an_interval_that_does_not_decide_is_explained(tmp_path: Path) -> None:
         "Intervals are not corrected for multiple tests: 1 of them does not contain "
         "“no difference”, although the corrected p is not significant."
     ) in certainty(seen, subject_of(report))
-
-
-def test_a_dominant_participant_raises_a_warning(answered: Answered) -> None:
-    table = pairwise_table(("ours", "other"), effects=(0.5, 0.0), participants=12, segments=12)
-    busy = pd.concat([table[table["participant"] == "p00"]] * 9)
-    table = pd.concat([table, busy.assign(trial=range(1000, 1000 + len(busy)))])
-    basis = answered(table, "pairwise")[1]
-
-    assert "Some participants gave far more answers than others. " in basis
-    assert "without any one participant the estimate lies between 0." in basis
-
-
-@pytest.mark.parametrize(
-    ("effects", "end"),
-    [
-        ((3.0, 3.0, 0.0), "; 1 of the other 2 tests is also significant."),
-        ((0.0, 0.0, 3.0), "; 1 of the other 2 tests is also significant."),
-        ((4.0, 0.0, -4.0), "; all of the other 2 tests are also significant."),
-    ],
-)
-def test_the_first_sentence_names_the_largest_effect_and_counts_the_others(
-    answered: Answered, effects: tuple[float, ...], end: str
-) -> None:
-    table = pairwise_table(("a", "b", "c"), effects=effects, participants=20, segments=8)
-    effect, certainty_words = answered(table, "pairwise")
-
-    assert effect.endswith(end)
-    assert effect.count(" preferred ") == 1
-    assert certainty_words.startswith("Also preferred: ")
-
-
-def test_only_the_tests_of_the_family_that_could_be_run_are_counted(answered: Answered) -> None:
-    table = pairwise_table("abcdef", effects=(3.0, 0, 0, 0, 0, 0), participants=20, segments=10)
-    effect, certainty_words = answered(table, "pairwise", family="against=b")
-    assert effect.endswith("; none of the other 4 tests is significant.")
-    assert "4 of 5 tests are not significant" in certainty_words
-
-    ties = pairwise_table(("a", "b"), ("emotion", "rhythm"), effects=(0.0, 0.0), participants=20)
-    ties["response"] = ties["response"].where(ties["question"] == "emotion", 3)
-    effect, certainty_words = answered(ties, "pairwise")
-    assert effect.startswith("The only test that could be run is not significant")
-    assert "1 test could not be run" in certainty_words
-
-    halves = pairwise_table(("a", "b"), effects=(0.0, 0.0), participants=2)
-    is_a = (halves["left"] == "a") == (halves["participant"] == "p00")
-    halves["response"] = is_a.map({True: 1, False: 5})
-    assert answered(halves, "pairwise")[0].endswith("after Holm's correction).")
 
 
 def test_open_places_unwatched_study_sessions_and_people_screened_out_are_counted(
