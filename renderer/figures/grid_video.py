@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -28,22 +28,6 @@ _CAPTION_SHARE: Final = 0.11  # height of a caption line, of a panel's side
 _LETTER_SHARE: Final = 0.058
 _TEXT_LINES: Final = 2
 _LINE_SHARE: Final = 0.8  # height of a line of the text, of a caption line
-
-
-@dataclass(frozen=True, kw_only=True)
-class Panel:
-    """One clip of a grid.
-
-    Attributes
-    ----------
-    caption : str
-        The text under the clip.
-    clip : MotionClip
-        The clip that participants see, but with as many frames as the video.
-    """
-
-    caption: str
-    clip: MotionClip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,7 +89,7 @@ class GridLayout:
 
 def write_grid(
     stage: Stage,
-    panels: Sequence[Panel],
+    clips: Mapping[str, MotionClip],
     speech: Audio,
     *,
     text: str,
@@ -119,8 +103,8 @@ def write_grid(
     stage : Stage
         The stage that renders all clips; entered. Its look sets the panels' size and the frame
         rate.
-    panels : sequence of Panel
-        The panels, all with the same number of frames.
+    clips : mapping of str to MotionClip
+        The clips by caption, as participants see them, all with the same number of frames.
     speech : Audio
         The speech at `renderer.encoder.SOUND_RATE`.
     text : str
@@ -131,10 +115,10 @@ def write_grid(
         Called with (frames done, frames in all) after each frame.
     """
     rate = stage.look.frame_rate
-    layout = GridLayout(count=len(panels), size=stage.look.size, text=text)
-    count = len(panels[0].clip)
-    background = _background(layout, [panel.caption for panel in panels])
-    picture_streams = [_pictures(stage, panel.clip) for panel in panels]
+    layout = GridLayout(count=len(clips), size=stage.look.size, text=text)
+    count = len(next(iter(clips.values())))
+    background = _background(layout, list(clips))
+    picture_streams = [_pictures(stage, clip) for clip in clips.values()]
     with (
         replacing(video) as draft,
         VideoWriter(draft, *layout.frame, rate, at_common_loudness(speech)) as writer,

@@ -86,14 +86,6 @@ def cut_out(stage: Stage, pose: MotionClip, camera: Camera) -> CutOut:
     return CutOut(picture, blocks.min(axis=(1, 3)))
 
 
-def box_around(body: BodyModel, pose: MotionClip, camera: Camera) -> Box:
-    """Return the part of the picture that `body` fills in one frame."""
-    corners = project(body.vertices(pose)[0], camera, 1)[:, :2]
-    left, top = np.clip(corners.min(axis=0), 0, 1)
-    right, bottom = np.clip(corners.max(axis=0), 0, 1)
-    return float(left), float(top), float(right), float(bottom)
-
-
 def _depth(body: BodyModel, pose: MotionClip, camera: Camera, size: int) -> Floats32:
     """Return the depth at each pixel of a square picture; each triangle has one depth."""
     corners = project(body.vertices(pose)[0], camera, size)[body.faces]
@@ -109,10 +101,10 @@ def _depth(body: BodyModel, pose: MotionClip, camera: Camera, size: int) -> Floa
 
 def common_box(body: BodyModel, poses: Iterable[MotionClip], camera: Camera) -> Box:
     """Return the part of the picture that holds the figure in all `poses`, with a margin."""
-    boxes = np.array([box_around(body, pose, camera) for pose in poses])
-    left, top = np.maximum(boxes[:, :2].min(axis=0) - _MARGIN, 0)
-    right, bottom = np.minimum(boxes[:, 2:].max(axis=0) + _MARGIN, 1)
-    return float(left), float(top), float(right), float(bottom)
+    points = np.concatenate([project(body.vertices(pose)[0], camera, 1)[:, :2] for pose in poses])
+    low, high = points.min(axis=0) - _MARGIN, points.max(axis=0) + _MARGIN
+    left, top, right, bottom = np.clip([*low, *high], 0, 1).tolist()
+    return left, top, right, bottom
 
 
 def panel(stage: Stage, pose: MotionClip, camera: Camera, *, clear: bool) -> Image.Image:

@@ -125,8 +125,6 @@ class Plate:
         from matplotlib import rc_context
 
         for path in paths:
-            check_ending(path)
-        for path in paths:
             with rc_context(_STYLE), replacing(path) as draft:
                 ending = path.suffix.lower()
                 self.figure.savefig(

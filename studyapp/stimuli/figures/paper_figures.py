@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -14,7 +14,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.encoder import SOUND_RATE
-from renderer.figures.grid_video import GridLayout, Panel, write_grid
+from renderer.figures.grid_video import GridLayout, write_grid
 from renderer.figures.overlay import blended, colours_for, draw_overlay, faded
 from renderer.figures.panels import FULL_BOX, Box, aspect_of, common_box, cropped, cut_out, panel
 from renderer.figures.plate import DOTS_PER_INCH, check_ending
@@ -223,16 +223,14 @@ def write_condition_grid(
     excerpt = material.segment(segment)
     labels = material.labels(conditions)
     fitting_size = MAX_WIDTH // GridLayout(count=len(labels), size=2).columns // 2 * 2
-    panels = [
-        Panel(caption=label, clip=material.clip(excerpt, name)) for name, label in labels.items()
-    ]
+    clips = {label: material.clip(excerpt, name) for name, label in labels.items()}
     if closeup:
-        material, faces = material.close_to_faces([[panel.clip] for panel in panels])
-        panels = [replace(panel, clip=clip) for panel, [clip] in zip(panels, faces, strict=True)]
+        material, faces = material.close_to_faces([[clip] for clip in clips.values()])
+        clips = {label: clip for label, [clip] in zip(clips, faces, strict=True)}
     with material.stage(min(material.plan.look.size, fitting_size)) as stage:
         write_grid(
             stage,
-            panels,
+            clips,
             material.speech(excerpt, sample_rate=SOUND_RATE),
             text=excerpt.transcript,
             video=output,

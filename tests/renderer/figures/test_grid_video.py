@@ -10,7 +10,7 @@ import pytest
 from motion.clip import MotionClip
 from renderer.clip_video import Stage, still
 from renderer.encoder import SOUND_RATE
-from renderer.figures.grid_video import GridLayout, Panel, write_grid
+from renderer.figures.grid_video import GridLayout, write_grid
 from renderer.framing import Camera
 from renderer.look import BACKGROUND, Look
 from tests.support.encoded import pictures_of, sound_of
@@ -38,10 +38,10 @@ def clips(clip: MotionClip) -> Clips:
 @pytest.fixture(scope="module")
 def write(stage: Stage) -> Write:
     def write(clips: tuple[MotionClip, ...], video: Path, **changes: object) -> Path:
-        panels = [Panel(caption=f"condition {k}", clip=clip) for k, clip in enumerate(clips)]
+        captioned = {f"condition {k}": clip for k, clip in enumerate(clips)}
         given = {"text": "we got the house", "video": video}
         hum = tone(SECONDS, 220, SOUND_RATE, 0.3)
-        write_grid(stage, panels, hum, **(given | changes))  # type: ignore[arg-type]
+        write_grid(stage, captioned, hum, **(given | changes))  # type: ignore[arg-type]
         return video
 
     return write
