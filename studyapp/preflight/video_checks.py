@@ -6,9 +6,8 @@ rendered.
 
 from __future__ import annotations
 
-import re
-from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
@@ -170,7 +169,7 @@ def shown_video_findings(material: Material) -> Iterator[Finding]:
     for content, video in material.shown.items():
         by_segment[content[0].segment][material.display_path(video.file)] = video
     yield from _size_findings(by_segment)
-    yield from _metadata_findings(material, by_segment)
+    yield from _metadata_findings(by_segment)
     yield from _structure_findings(material)
 
 
@@ -224,47 +223,22 @@ def _size_findings(by_segment: FilesBySegment) -> Iterator[Finding]:
             )
 
 
-def _metadata_findings(material: Material, by_segment: FilesBySegment) -> Iterator[Finding]:
-    """Yield metadata that names a condition, or that not all videos of a segment have."""
-    study = material.study
-    conditions = {*study.conditions, study.catch.condition}
-    for segment, videos in by_segment.items():
-        # A video without sound has no sound stream to describe.
-        metadata = {
-            name: [entry for entry in read_metadata(video.file) if entry != _SOUND_STREAM]
-            for name, video in videos.items()
-        }
-        naming = {
-            name: mention
-            for name, entries in metadata.items()
-            if (mention := _mentioned_condition(entries, conditions))
-        }
-        for name, mention in naming.items():
-            yield make_finding("metadata-tells", f"{name} says {mention}", where=name)
-        common = set.intersection(*map(set, metadata.values()))
-        unshared = [
-            (name, entry)
-            for name, entries in metadata.items()
-            for entry in entries
-            if entry not in common
-        ]
-        if unshared and not naming:
-            name, entry = unshared[0]
+def _metadata_findings(by_segment: FilesBySegment) -> Iterator[Finding]:
+    """Yield metadata that most videos do not have, such as a title that names a condition."""
+    # A video without sound has no sound stream to describe.
+    metadata = {
+        name: frozenset(read_metadata(video.file)) - {_SOUND_STREAM}
+        for videos in by_segment.values()
+        for name, video in videos.items()
+    }
+    usual = Counter(metadata.values()).most_common(1)
+    for name, entries in metadata.items():
+        if different := sorted(entries ^ usual[0][0]):
             yield make_finding(
                 "metadata-tells",
-                f"{name} says {entry!r}, which other videos of segment {segment} do not",
+                f"{name} differs from other videos in {', '.join(map(repr, different))}",
                 where=name,
             )
-
-
-def _mentioned_condition(entries: Collection[str], conditions: Collection[str]) -> str:
-    """Return the entry that holds a condition's name as a word; empty if none does."""
-    for entry in entries:
-        for name in sorted(conditions):
-            word = rf"(?<![A-Za-z0-9]){re.escape(name)}(?![A-Za-z0-9])"
-            if re.search(word, entry, re.IGNORECASE):
-                return f"{entry!r}, which names the condition {name!r}"
-    return ""
 
 
 def _structure_findings(material: Material) -> Iterator[Finding]:
