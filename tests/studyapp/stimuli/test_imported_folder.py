@@ -149,15 +149,9 @@ def test_missing_information_about_speech_and_motion_is_reported(
     folder: StudyFolder, source: Path, tmp_path: Path
 ) -> None:
     (source / "ours" / "take.npz").rename(source / "take.npz")
-    items = folder_items(folder, source, RecordingFacts())
-    errors = []
-    for item in items:
-        try:
-            item.store()
-        except InputError as error:
-            errors.append(str(error))
-    assert any("the speaker and the emotion are unknown" in error for error in errors)
-    assert any("the condition is unknown" in error for error in errors)
+    said = refused("import", source, folder.root)
+    assert "the speaker and the emotion are unknown" in said
+    assert "the condition is unknown" in said
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="no file to import"):
         folder_items(folder, tmp_path / "empty", RecordingFacts())

@@ -71,10 +71,8 @@ def test_a_video_becomes_takes_for_training(video: Path, tmp_path: Path) -> None
     assert "note: left out 3.0 to 4.0 s: nobody was found" in said
     assert f"2 takes of 7.0 s in {tmp_path / 'takes'}. Next: 'motionjury train'." in said
     takes = read_takes(tmp_path / "takes")
-    assert [(take.name, take.speaker) for take in takes.takes] == [
-        ("talk_01", "anna"),
-        ("talk_02", "anna"),
-    ]
+    assert [take.name for take in takes.takes] == ["talk_01", "talk_02"]
+    assert {take.speaker for take in takes.takes} == {"anna"}
     assert not takes.skipped
     clip = read_motion(takes.takes[1].motion)
     assert clip.duration == pytest.approx(4) and clip.arkit is not None
