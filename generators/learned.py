@@ -25,7 +25,6 @@ from training.device import check_device
 from training.run.loop import Trained, train
 from training.run.records import RunFolder, run_facts, run_folder
 from training.run.task import Task, WindowTask
-from training.speakers import Speakers
 
 SettingsT = TypeVar("SettingsT", bound=ModelSettings)
 
@@ -140,16 +139,9 @@ def cut_windows(
     Raises
     ------
     InputError
-        If the device is not usable, or there is no recording for training or for validation.
+        If the device is not usable, or no recording for training or for validation is.
     """
     check_device(request.device)
-    splits = {take.split for take in request.takes.takes}
-    for split in ("train", "validation"):
-        if split not in splits:
-            raise InputError(
-                f"none of the {len(request.takes.takes)} takes is for {split}",
-                remedy="Give more recordings, or a split list (--split)",
-            )
     prepared = prepare(
         request.takes, features, request.cache, frame_rate=frame_rate, show=request.show_preparing
     )
@@ -160,46 +152,29 @@ def cut_windows(
     }
 
 
-def describe_training_data(windows: Windows, speakers: Speakers) -> str:
-    """Return a sentence about the amount and the speakers of training data."""
-    takes = sum(take.split == "train" for take in windows.prepared.takes)
-    return (
-        f"Learned from {len(windows)} windows of {takes} takes by {len(speakers.names)} "
-        f"speaker{'s' * (len(speakers.names) != 1)} ({', '.join(speakers.names)})."
-    )
+def run_training(
+    request: TrainingRequest, task: Task[Network], config: TrainingConfig
+) -> tuple[Trained[Network], dict[str, Any]]:
+    """Train a network; return it, and the facts for its file."""
+    trained = train(task, config, RunFolder(run_folder(request.out)), show=request.show_training)
+    data = {"kind": request.takes.kind, "sha256": task.data_sha256}
+    facts = run_facts(config, trained, data)
+    return trained, {**facts, "ablation": request.choices.get("ablation")}
 
 
 def describe_training(
     task: WindowTask, trained: Trained[Any], *sentences: str, warnings: Sequence[str] = ()
 ) -> TrainedGenerator:
-    """Return the result of a training with its sentences."""
-    chosen_weights = f"Its weights are those of step {trained.best.step} of {trained.steps}."
+    """Return the result of a training: its data, further sentences, and the kept weights."""
+    takes = [take for take in task.training.prepared.takes if take.split == "train"]
+    speakers = sorted({take.speaker for take in takes})
     return TrainedGenerator(
-        sentences=(*sentences, chosen_weights),
+        sentences=(
+            f"Learned from {len(task.training)} windows of {len(takes)} takes by {len(speakers)} "
+            f"speaker{'s' * (len(speakers) != 1)} ({', '.join(speakers)}).",
+            *sentences,
+            f"Its weights are those of step {trained.best.step} of {trained.steps}.",
+        ),
         skipped=task.training.prepared.skipped,
         warnings=tuple(warnings),
     )
-
-
-def run_training(
-    request: TrainingRequest,
-    task: Task[Network],
-    config: TrainingConfig,
-    packages: Sequence[str] = (),
-) -> tuple[Trained[Network], dict[str, Any]]:
-    """Train a network; return it, and the facts for its file.
-
-    Parameters
-    ----------
-    request : TrainingRequest
-        The request, which has the run's folder and the callback for progress.
-    task : Task
-        The task.
-    config : TrainingConfig
-        The settings.
-    packages : sequence of str
-        Further packages whose versions are recorded.
-    """
-    trained = train(task, config, RunFolder(run_folder(request.out)), show=request.show_training)
-    facts = run_facts(config, trained, request.takes.kind, task.data_sha256, packages)
-    return trained, {**facts, "ablation": request.choices.get("ablation")}

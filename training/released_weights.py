@@ -15,11 +15,13 @@ from pathlib import Path
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
+import numpy as np
 import torch
 from safetensors import SafetensorError
 from safetensors.torch import load_file
 from torch import Tensor, nn
 
+from motion.arrays import Floats
 from motion.errors import InputError
 
 Network = TypeVar("Network", bound=nn.Module)
@@ -63,6 +65,25 @@ def tensors_in(content: object, file: Path) -> dict[str, Tensor]:
     if not isinstance(content, Mapping) or not all(isinstance(v, Tensor) for v in content.values()):
         raise not_weights_error(file, "it holds more than named tensors")
     return {str(name).removeprefix("module."): weight for name, weight in content.items()}
+
+
+def read_numbers(file: Path, count: int, remedy: str) -> Floats:
+    """Return the numbers of a ``.npy`` file, shape (count,).
+
+    Raises
+    ------
+    InputError
+        If the file is missing, or holds anything but `count` finite numbers.
+    """
+    try:
+        values = np.load(file, allow_pickle=False).astype(np.float64)
+        if values.size != count or not np.isfinite(values).all():
+            raise ValueError(f"shape {values.shape}")
+    except (OSError, EOFError, ValueError) as error:
+        raise InputError(
+            f"this is not an array of {count} finite numbers: {error}", where=file, remedy=remedy
+        ) from error
+    return np.asarray(values.reshape(-1))
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,12 @@ from motion.arrays import Floats, Floats32
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.resample import resample
+from training.released_weights import read_numbers
 
 _MEAN: Final = "bvh_mean.npy"
 _SPREAD: Final = "bvh_std.npy"
+
+_REMEDY: Final = "Give bvh_mean.npy and bvh_std.npy as BEAT's authors made them"
 
 _STILL: Final = 1e-3
 """Spread, in degrees, of channels that never move in BEAT's recordings."""
@@ -191,28 +194,11 @@ def load_published(
     if preset == "beat":
         folder = path.parent if statistics is None else Path(statistics)
         if statistics is not None or (folder / _MEAN).exists():
-            arrays = _channels(folder / _MEAN), _channels(folder / _SPREAD)
+            files = folder / _MEAN, folder / _SPREAD
+            mean, spread = (read_numbers(each, chosen.channels, _REMEDY) for each in files)
+            arrays = mean, spread
         for values in arrays or ():
             digest.update(values.tobytes())
     return PublishedEvaluator(
         preset=chosen, sha256=digest.hexdigest(), network=network, statistics=arrays
     )
-
-
-def _channels(file: Path) -> Floats:
-    channels = PRESETS["beat"].channels
-    try:
-        values = np.load(file, allow_pickle=False)
-    except (OSError, EOFError, ValueError) as error:
-        raise InputError(
-            f"the file cannot be read as a plain array: {error}",
-            where=file,
-            remedy="Give bvh_mean.npy and bvh_std.npy as BEAT's authors made them",
-        ) from error
-    if values.size != channels or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
-        raise InputError(
-            f"the array has shape {values.shape} and type {values.dtype}",
-            where=file,
-            remedy=f"Give {channels} finite numbers",
-        )
-    return np.asarray(values, np.float64).reshape(-1)

@@ -45,7 +45,7 @@ from training.data.windows import Windows
 from training.device import check_device
 from training.run.launching import is_leader
 from training.run.loop import Show, train
-from training.run.records import RunFolder, package_versions, run_folder
+from training.run.records import RunFolder, run_facts, run_folder
 from training.run.task import WindowTask
 
 HELD_OUT_SHARE: Final = 0.2
@@ -285,15 +285,10 @@ def train_evaluator(
         width=len(normalisation.mean),
     )
     trained = train(task, training, RunFolder(run_folder(out)), show=show_training)
-    measured = dict(trained.best.measured)
-    if design.labels:
-        labels = Counter(
-            take.emotion for take in task.held_out.takes(np.arange(len(task.held_out)))
-        )
-        measured["largest_share"] = max(labels.values()) / labels.total()
-    facts = EvaluatorFacts(
-        **vars(design),
-        data={
+    run = run_facts(
+        training,
+        trained,
+        {
             "sha256": prepared.sha256,
             "clips": len(clips),
             "recordings": len({source.recording for source, _ in clips}),
@@ -301,13 +296,14 @@ def train_evaluator(
             "held_out_windows": len(task.held_out),
             "held_out": held_out,
         },
-        training={
-            "config": training.facts(),
-            "best_step": trained.best.step,
-            "versions": package_versions(),
-        },
-        held_out=measured,
     )
+    data, measured = run.pop("data"), run.pop("held_out")
+    if design.labels:
+        labels = Counter(
+            take.emotion for take in task.held_out.takes(np.arange(len(task.held_out)))
+        )
+        measured["largest_share"] = max(labels.values()) / labels.total()
+    facts = EvaluatorFacts(**vars(design), data=data, training=run, held_out=measured)
     if is_leader():
         evaluator = Evaluator(
             facts=facts,

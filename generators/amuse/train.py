@@ -230,7 +230,7 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
     if config.prior:
         passes = _passes(preset.together, training.steps, disjoint=ablation == "disjoint")
         training = replace(training, passes=passes)
-    trained, facts = run_training(request, task, training, ("transformers",))
+    trained, facts = run_training(request, task, training)
     facts |= {"speech_model": identity}
     networks = network_file.MotionNetworks(model=trained.network.cpu(), training=facts)
     network_file.write_motion(request.out, networks)
@@ -238,7 +238,6 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
     return describe_training(
         task,
         trained,
-        f"Learned from {len(task.training)} windows of {frames / FRAME_RATE:g} s.",
         f"Share of the noise that the denoiser does not predict in {len(task.held_out)} held-out "
         f"windows: {measured['ld']:.3f}. The error of their motion is {measured['align']:.4f} when "
         "it is sampled from their speech"

@@ -213,14 +213,13 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
             remedy="Give a split list (--split) with such recordings for validation",
         )
     schedule = preset.config_for(task.examples, request.changes)
-    trained, facts = run_training(request, task, schedule, ("transformers",))
+    trained, facts = run_training(request, task, schedule)
     network, z = trained.network, task.mean_latents(trained.network)
     write_speech(request.out, SpeechNetwork(model=network, latents=z, training={**facts, **origin}))
     return describe_training(
         task,
         trained,
-        f"Learned from {len(rows)} quadruples of {len(training)} windows, by {len(speakers)} "
-        f"speakers in {len(emotions)} emotions.",
+        f"They form {len(rows)} quadruples in {len(emotions)} emotions.",
         _describe_measures(task, trained.best.measured),
     )
 

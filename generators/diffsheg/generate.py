@@ -27,7 +27,8 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from training.spaces.beat import beat_clip, beat_clip_piece
 from training.spaces.smplx_bodies import show_clip
-from training.speech_features.hubert import Hubert, check_hubert, load_hubert, stand_in
+from training.speakers import Speakers
+from training.speech_features.hubert import Hubert, load_hubert, stand_in
 from training.speech_features.speech_frames import (
     SpeechFrames,
     StreamWindow,
@@ -38,22 +39,10 @@ from training.speech_features.speech_frames import (
 
 
 class DiffSheg(NetworkGenerator[DiffShegSettings]):
-    """Generates motion by a trained network (Chen et al. 2024), window by window with FOPPAS.
-
-    Raises
-    ------
-    InputError
-        If HuBERT's folder is not usable.
-    """
+    """Generates motion by a trained network (Chen et al. 2024), window by window with FOPPAS."""
 
     name = "diffsheg"
     version = "2"
-
-    def __init__(self, settings: DiffShegSettings, device: str = "cpu") -> None:
-        super().__init__(settings, device)
-        if settings.hubert is not None:
-            check_hubert(settings.hubert)
-        self._sampler: tuple[int, WindowSampler] | None = None
 
     def make_motion(
         self, speech: SpeechSegment, seed: int, on_part: OnPart
@@ -68,23 +57,22 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         speaker = self._speaker_number(speech.segment.speaker)
         frames = max(1, round(speech.audio.duration * config.frame_rate))
         speech_frames = extract_frames(speech.audio, config.frame_rate, self._hubert)
-        clip = self._clip(
-            concatenate_parts(
-                self._denormalised_motion(speech_frames, seed, speaker), frames, on_part
-            )
-        )
+        parts = self._denormalised_motion(speech_frames, seed, speaker)
+        motion = concatenate_parts(parts, frames, on_part)
+        make_clip = beat_clip if self._network.dataset == "beat" else show_clip
         window = window_for(speech.audio)
-        return clip, {
+        return make_clip(motion, config.frame_rate), {
             "heard": "as a whole" if window is None else str(window),
             **self._facts(speaker, speech.segment.speaker),
         }
 
-    def stream(self, chunks: Iterable[Floats32], *, seed: int) -> Iterator[Floats]:
-        """Yield motion of live speech as soon as it is final.
+    def stream_clips(self, chunks: Iterable[Floats32], *, seed: int) -> Iterator[MotionClip]:
+        """Yield clips of live speech as soon as they are final.
 
-        The motion does not depend on the division of the speech into chunks. A frame is final, at
-        the latest, after a window of motion and the look-ahead of `StreamWindow`; memory is bounded
-        by both, whatever the length of the speech.
+        Joined in order, they equal the clip of all the speech at once, bit by bit; the division of
+        the speech into chunks does not matter. A frame is final, at the latest, after a window of
+        motion and the look-ahead of `StreamWindow`; memory is bounded by both, whatever the length
+        of the speech.
 
         Parameters
         ----------
@@ -95,44 +83,25 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
 
         Yields
         ------
-        ndarray, shape (some frames, values)
-            Motion at the network's frame rate, in the data set's representation; `stream_clips`
-            yields clips.
+        MotionClip
+            The next frames, at the network's frame rate, with the provenance of `generate` but an
+            empty segment name.
 
         Raises
         ------
         InputError
             If the speaker or a file cannot be used.
         """
-        config = self._network.model.config
-        speech_frames = stream_frames(chunks, int(config.frame_rate), self._hubert, StreamWindow())
-        return self._denormalised_motion(speech_frames, seed, self._speaker_number(None))
-
-    def stream_clips(self, chunks: Iterable[Floats32], *, seed: int) -> Iterator[MotionClip]:
-        """Yield clips of live speech as soon as they are final.
-
-        Joined in order, they equal the clip of all the speech at once, bit by bit.
-
-        Parameters
-        ----------
-        chunks, seed
-            See `stream`.
-
-        Yields
-        ------
-        MotionClip
-            The next frames, at the network's frame rate, with the provenance of `generate` but an
-            empty segment name.
-        """
-        facts = self._facts(self._speaker_number(None), None) | {
+        frame_rate, speaker = self._network.model.config.frame_rate, self._speaker_number(None)
+        facts = self._facts(speaker, None) | {
             "generator": self.name,
             "seed": str(seed),
             "segment": "",
             "heard": str(StreamWindow()),
         }
-        frame_rate = self._network.model.config.frame_rate
+        speech_frames = stream_frames(chunks, int(frame_rate), self._hubert, StreamWindow())
         twists: ForearmTwists | None = None
-        for motion in self.stream(chunks, seed=seed):
+        for motion in self._denormalised_motion(speech_frames, seed, speaker):
             if self._network.dataset == "beat":
                 clip, twists = beat_clip_piece(motion, frame_rate, twists)
             else:
@@ -143,10 +112,11 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         self, speech: Iterable[SpeechFrames], seed: int, speaker: int
     ) -> Iterator[Floats]:
         """Yield the network's motion to speech, denormalised, (some frames, values)."""
-        config = self._network.model.config
+        denoiser, config = self._network.model, self._network.model.config
+        person = torch.eye(config.speakers)[speaker - 1]
         windows = stream(
             speech,
-            self._sampler_of(speaker),
+            WindowSampler(denoiser, person, self._sampling),
             frames=config.frames,
             width=config.motion_width,
             sampling=self._sampling,
@@ -159,39 +129,24 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             check_finite(motion, self._settings.checkpoint)
             yield motion
 
-    def _sampler_of(self, speaker: int) -> WindowSampler:
-        """Return the sampler of windows, reused for clips of the same speaker."""
-        if self._sampler is None or self._sampler[0] != speaker:
-            denoiser = self._network.model
-            person = torch.eye(denoiser.config.speakers)[speaker - 1]
-            self._sampler = (speaker, WindowSampler(denoiser, person, self._sampling))
-        return self._sampler[1]
-
-    def _clip(self, motion: Floats) -> MotionClip:
-        make_clip = beat_clip if self._network.dataset == "beat" else show_clip
-        return make_clip(motion, self._network.model.config.frame_rate)
-
     def _speaker_number(self, segment_speaker: str | None) -> int:
         """Return the number of the speaker to move as, given the segment's speaker."""
-        known, requested = self._network.speakers, self._settings.speaker
-        if known is not None:
-            return known.resolve(requested, segment_speaker, self._settings.checkpoint)
-        if requested is None:
+        requested = self._settings.speaker
+        if self._network.speakers is None and requested is None:
             return 1
+        return self._speakers.resolve(requested, segment_speaker, self._settings.checkpoint)
+
+    @cached_property
+    def _speakers(self) -> Speakers:
+        """The network's speakers; of a released network, only their numbers are known."""
         count = self._network.model.config.speakers
-        if not isinstance(requested, int) or requested > count:
-            raise InputError(
-                f"there is no speaker {requested}",
-                where=self._settings.checkpoint,
-                remedy=f"Give a number from 1 to {count}",
-            )
-        return requested
+        numbers = tuple(str(number + 1) for number in range(count))
+        return self._network.speakers or Speakers(numbers, count)
 
     def _facts(self, speaker: int, segment_speaker: str | None) -> dict[str, str]:
         """Return a clip's provenance of network and sampling."""
         config, sampling = self._network.model.config, self._sampling
-        speakers = self._network.speakers
-        name = str(speaker) if speakers is None else speakers.names[speaker - 1]
+        name = self._speakers.names[speaker - 1]
         facts = {
             "config": f"{config.layers} layers of {config.width}, {config.flow}, "
             f"windows of {config.frames} frames at {config.frame_rate:g} fps",
@@ -204,7 +159,8 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             "hubert": self._hubert.description,
         }
         stand_ins = [self._hubert.description] if self._hubert.stands_in else []
-        if speakers is not None and self._settings.speaker is None and name != segment_speaker:
+        is_named = self._network.speakers is not None
+        if is_named and self._settings.speaker is None and name != segment_speaker:
             stand_ins.append(f"speaker {name} in place of the segment's")
         if self._network.dataset == "show":
             stand_ins.append("relaxed hands for SMPL-X's mean hands")

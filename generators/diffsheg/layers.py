@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 import torch
+from scipy.fft import dct
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -128,54 +127,27 @@ class StyledBlock(nn.Module):
         return result
 
 
-class Moments(NamedTuple):
-    """Mean and variance of the `width` values of each frame, (batch, frames, 1)."""
-
-    mean: Tensor
-    variance: Tensor
-    width: int
-
-    @classmethod
-    def from_values(cls, values: Tensor) -> Moments:
-        """Return the moments of values (batch, frames, width)."""
-        variance, mean = torch.var_mean(values.float(), dim=-1, correction=0, keepdim=True)
-        return cls(mean, variance, values.shape[-1])
-
-    @classmethod
-    def combined(cls, parts: Sequence[Moments]) -> Moments:
-        """Return the moments of all values of several parts."""
-        width = sum(part.width for part in parts)
-        mean = torch.stack([part.mean * (part.width / width) for part in parts]).sum(dim=0)
-        variances = [
-            (part.variance + (part.mean - mean).square()) * (part.width / width) for part in parts
-        ]
-        return cls(mean, torch.stack(variances).sum(dim=0), width)
-
-
-@dataclass(frozen=True, eq=False)
-class FusedSpeech:
+class FusedSpeech(NamedTuple):
     """The part of a `Fusion` that depends on the speech only.
 
     Attributes
     ----------
     mapped : Tensor
         (batch, frames, 2 · width), the first layer applied to the speech.
-    moments : Moments
-        The speech's moments.
+    sums : Tensor
+        (batch, frames, 2), sums of the speech's values and of their squares.
     ones, bias : Tensor
         (2 · width,), the first layer applied to the norm's weight and to its bias.
     """
 
     mapped: Tensor
-    moments: Moments
+    sums: Tensor
     ones: Tensor
     bias: Tensor
 
     def rows(self, rows: slice) -> FusedSpeech:
         """Return some rows of the batch."""
-        mean, variance, width = self.moments
-        moments = Moments(mean[rows], variance[rows], width)
-        return FusedSpeech(self.mapped[rows], moments, self.ones, self.bias)
+        return self._replace(mapped=self.mapped[rows], sums=self.sums[rows])
 
 
 class Fusion(nn.Module):
@@ -199,20 +171,19 @@ class Fusion(nn.Module):
         """Return the part of the fusion that depends on the speech (batch, frames, channels)."""
         return FusedSpeech(
             self._map(speech, self.width),
-            Moments.from_values(speech),
+            _sums(speech),
             self.widen.weight @ self.norm.weight,
             self.widen(self.norm.bias),
         )
 
     def forward(self, h: Tensor, speech: FusedSpeech, x0_hat: Tensor | None = None) -> Tensor:
         """Return the term added to h, (batch, frames, width)."""
-        inner = self._map(h, 0) + speech.mapped
-        parts = [Moments.from_values(h), speech.moments]
+        inner, sums = self._map(h, 0) + speech.mapped, _sums(h) + speech.sums
         if x0_hat is not None:
-            inner = inner + self._map(x0_hat, self.width + speech.moments.width)
-            parts.append(Moments.from_values(x0_hat))
-        mean, variance, _ = Moments.combined(parts)
-        scale = torch.rsqrt(variance + self.norm.eps)
+            inner = inner + self._map(x0_hat, len(self.norm.weight) - x0_hat.shape[-1])
+            sums = sums + _sums(x0_hat)
+        mean, square = (sums / len(self.norm.weight)).chunk(2, dim=-1)
+        scale = torch.rsqrt(square - mean.square() + self.norm.eps)
         return self._narrow((inner - mean * speech.ones) * scale + speech.bias)
 
     def unconditioned(self, null: Tensor) -> Tensor:
@@ -227,6 +198,12 @@ class Fusion(nn.Module):
     def _narrow(self, inner: Tensor) -> Tensor:
         result: Tensor = self.narrow(functional.silu(inner))
         return result
+
+
+def _sums(values: Tensor) -> Tensor:
+    """Return the sums of values (batch, frames, width) and of their squares, (batch, frames, 2)."""
+    values = values.float()
+    return torch.stack([values.sum(dim=-1), values.square().sum(dim=-1)], dim=-1)
 
 
 class SpeechEncoder(nn.Module):
@@ -321,7 +298,4 @@ def _full_precision(device: str) -> AbstractContextManager[object]:
 @cache
 def _cosines(frames: int) -> Floats:
     """Return the matrix of the orthonormal DCT-II, (waves, frames)."""
-    waves, times = np.arange(frames)[:, None], np.arange(frames) + 0.5
-    cosines: Floats = np.cos(np.pi * waves * times / frames) * np.sqrt(2 / frames)
-    cosines[0] /= np.sqrt(2)
-    return cosines
+    return np.asarray(dct(np.eye(frames), norm="ortho", axis=0))

@@ -1,7 +1,7 @@
 """DiffSHEG's network: predicts the noise `eps` in a window of motion `x_t`, given the speech.
 
 Chen et al., CVPR 2024, section 3.3 and Figure 2: a branch for the face, one for the body, and the
-denoiser that joins them. `Denoiser.modulate` and `Denoiser.encode_speech` do not depend on the
+denoiser that joins them. `Denoiser.modulate` and `Denoiser.encode_audio` do not depend on the
 motion; sampling calls them once for many evaluations, `Denoiser.forward` calls them each time.
 """
 
@@ -66,8 +66,8 @@ class Branch(nn.Module):
 
     @property
     def _layers(self) -> list[tuple[Fusion, StyledBlock]]:
-        layers = list(zip(self.fusions, self.blocks, strict=True))
-        return cast("list[tuple[Fusion, StyledBlock]]", layers)
+        layers = zip(self.fusions, self.blocks, strict=True)
+        return cast("list[tuple[Fusion, StyledBlock]]", list(layers))
 
     def modulate(self, t: Tensor, person: Tensor) -> list[Tensor]:
         """Return the modulations of each block for diffusion steps and a speaker."""
@@ -185,21 +185,19 @@ class Denoiser(nn.Module):
             (batch, frames, motion width).
         """
         modulations = self.modulate(timestep, person)
-        fused_speech = self.encode_speech(mel, hubert, modulations)
+        audio = self.encode_audio(mel, modulations)
         eps: dict[str, Tensor] = {}
         x0_hat: Tensor | None = None
-        for name, branch in self.ordered_branches:
-            part = x_t[..., self.parts[name]]
-            eps[name] = branch(part, timestep, modulations[name], fused_speech[name], x0_hat)
+        for name, branch in self.ordered_branches.items():
+            part, speech = x_t[..., self.parts[name]], branch.encode_speech(audio, hubert)
+            eps[name] = branch(part, timestep, modulations[name], speech, x0_hat)
             x0_hat = self.estimate(part, eps[name], timestep)
         return self.join_parts(eps)
 
     @property
-    def ordered_branches(self) -> list[tuple[str, Branch]]:
+    def ordered_branches(self) -> dict[str, Branch]:
         """The branches by name; the second is conditioned on the first one's estimate."""
-        return [
-            (name, branch) for name, branch in self.branches.items() if isinstance(branch, Branch)
-        ]
+        return cast("dict[str, Branch]", dict(self.branches.items()))
 
     def join_parts(self, parts: Mapping[str, Tensor]) -> Tensor:
         """Join the branches' parts of the motion, (…, motion width)."""
@@ -217,27 +215,23 @@ class Denoiser(nn.Module):
             (1 or steps, speakers), one-hot.
         """
         style = functional.silu(self.step(step_embedding(t, self.config.width)))
-        by_branch = {name: branch.modulate(t, person) for name, branch in self.ordered_branches}
+        branches = self.ordered_branches.items()
+        by_branch = {name: branch.modulate(t, person) for name, branch in branches}
         return {"audio": [self.audio.modulate(style)], **by_branch}
 
-    def encode_speech(
-        self, mel: Tensor, hubert: Tensor, modulations: Mapping[str, Sequence[Tensor]]
-    ) -> dict[str, list[FusedSpeech]]:
-        """Return the speech for each branch's fusions.
+    def encode_audio(self, mel: Tensor, modulations: Mapping[str, Sequence[Tensor]]) -> Tensor:
+        """Return the audio for `Branch.encode_speech`, (steps, frames, 2 · mel bands).
 
         Parameters
         ----------
         mel : Tensor
             (steps, frames, mel bands), as many rows as the modulations have.
-        hubert : Tensor
-            (1 or steps, frames, HuBERT features).
         modulations : mapping
             The modulations that `modulate` returns.
         """
         if self.config.loudness == "logarithm":
             mel = ((mel + SILENCE).log10() + 2) / 2
-        audio = torch.cat([mel, self.audio(MEL_GAIN * mel, modulations["audio"][0])], dim=-1)
-        return {name: branch.encode_speech(audio, hubert) for name, branch in self.ordered_branches}
+        return torch.cat([mel, self.audio(MEL_GAIN * mel, modulations["audio"][0])], dim=-1)
 
     def estimate(self, x_t: Tensor, eps: Tensor, t: Tensor) -> Tensor | None:
         """Return x̂0, which conditions the next branch (equation 5); None if nothing does."""
@@ -254,7 +248,7 @@ class Denoiser(nn.Module):
         windows : ndarray
             Training windows, (windows, frames, motion width).
         """
-        for name, branch in self.ordered_branches:
+        for name, branch in self.ordered_branches.items():
             if branch.skip is not None:
                 branch.skip.fit(windows[..., self.parts[name]])
 

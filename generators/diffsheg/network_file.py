@@ -19,7 +19,7 @@ from generators.diffsheg.config import BEAT, SHOW, DenoiserConfig
 from generators.diffsheg.model import Denoiser
 from motion.arrays import Bools, Floats
 from motion.errors import InputError
-from training.released_weights import ReleasedNames, fill, read_saved, tensors_in
+from training.released_weights import ReleasedNames, fill, read_numbers, read_saved, tensors_in
 from training.weights_file import NetworkKind, TrainedNetwork, holds_facts
 
 DATASETS: Final[Mapping[str, DenoiserConfig]] = {"beat": BEAT, "show": SHOW}
@@ -27,8 +27,8 @@ DATASETS: Final[Mapping[str, DenoiserConfig]] = {"beat": BEAT, "show": SHOW}
 _NAMES: Final = ReleasedNames.read(Path(__file__).with_name("released_names.toml"))
 
 _STATS_REMEDY: Final = (
-    "Name the folder that holds axis_angle_mean.npy, axis_angle_std.npy, json_mean.npy and "
-    "json_std.npy, as released with the checkpoint"
+    "Name as 'stats' the folder that holds axis_angle_mean.npy, axis_angle_std.npy, "
+    "json_mean.npy and json_std.npy, as released with the checkpoint"
 )
 
 _LARGEST_ROUNDING: Final = 1e-6
@@ -50,12 +50,11 @@ class Normalisation:
 
     def normalised(self, motion: Floats) -> Floats:
         """Return `motion` (T, values), normalised; constant values are 0."""
-        varies = self._varies
-        return np.asarray((motion - self.mean) * varies / np.where(varies, self.std, 1.0))
+        return np.asarray((motion - self.mean) / np.where(self._varies, self.std, np.inf))
 
     def restored(self, normalised: Floats) -> Floats:
         """Return motion (T, values), denormalised; constant values are their mean."""
-        return np.asarray(self.mean + np.where(self._varies, self.std, 0.0) * normalised)
+        return np.asarray(self.mean + self.std * self._varies * normalised)
 
     @property
     def _varies(self) -> Bools:
@@ -120,35 +119,16 @@ def read_normalisation(folder: Path, config: DenoiserConfig) -> Normalisation:
     """
     parts = (("axis_angle", config.gesture_width), ("json", config.expression_width))
     mean, std = (
-        np.concatenate(
-            [_read_statistic(folder, f"{part}_{kind}.npy", width) for part, width in parts]
-        )
+        np.concatenate([_read_part(folder, f"{part}_{kind}.npy", width) for part, width in parts])
         for kind in ("mean", "std")
     )
-    if (std < 0).any():
-        raise InputError("a standard deviation is negative", where=folder, remedy=_STATS_REMEDY)
     return Normalisation(mean, std)
 
 
-def _read_statistic(folder: Path, name: str, width: int) -> Floats:
-    path = next(
-        (path for path in (folder / name, folder / "facial52" / name) if path.is_file()),
-        folder / name,
-    )
-    try:
-        values = np.load(path, allow_pickle=False)
-    except (OSError, EOFError, ValueError) as error:
-        missing = isinstance(error, FileNotFoundError)
-        problem = "there is no such file" if missing else "the file is not a plain array"
-        raise InputError(problem, where=path, remedy=_STATS_REMEDY) from error
-    if values.shape != (width,) or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
-        raise InputError(
-            f"the array has shape {values.shape} and type {values.dtype}, not {width} finite "
-            "numbers",
-            where=path,
-            remedy=_STATS_REMEDY,
-        )
-    return np.asarray(values, dtype=np.float64)
+def _read_part(folder: Path, name: str, width: int) -> Floats:
+    in_folder = folder / "facial52" / name
+    path = in_folder if in_folder.is_file() else folder / name
+    return read_numbers(path, width, _STATS_REMEDY)
 
 
 _NETWORK: Final = NetworkKind(name="diffsheg", wanted="a DiffSHEG network")
@@ -207,8 +187,7 @@ def load_network(path: Path, dataset: Literal["beat", "show"], stats: Path | Non
         raise InputError(
             "a released checkpoint lacks the means and standard deviations of its motion",
             where=path,
-            remedy="Name their folder as 'stats': axis_angle_mean.npy, axis_angle_std.npy, "
-            "json_mean.npy, json_std.npy",
+            remedy=_STATS_REMEDY,
         )
     denoiser = load_released(path, dataset)
     return MotionNetwork(

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from queue import SimpleQueue
-from typing import Final, TypeVar
+from typing import Final
 
 import numpy as np
 import torch
@@ -270,11 +270,11 @@ class WindowSampler:
         self._denoiser, self._sampling = denoiser, sampling
         self._device = next(denoiser.parameters()).device
         self._t = torch.tensor(sampling.timesteps, device=self._device)
-        with torch.inference_mode():
-            self._modulations = denoiser.modulate(self._t, person[None].to(self._device))
         self._on_cpu = self._device.type == "cpu"
         if self._on_cpu:
             transpose_weight_layout(denoiser)
+        with torch.inference_mode():
+            self._modulations = denoiser.modulate(self._t, person[None].to(self._device))
 
     def __call__(self, windows: Sequence[Window], shared: Tensor | None) -> list[Tensor]:
         """Return the motion of each window, (frames, values).
@@ -286,102 +286,78 @@ class WindowSampler:
         shared : Tensor or None
             (overlap, values), the frames that the first window continues.
         """
-        (first, first_branch), *others = self._denoiser.ordered_branches
+        denoiser = self._denoiser
+        first, *others = denoiser.branches
         estimates: SimpleQueue[Tensor | BaseException | None] = SimpleQueue()
-        encoded: SimpleQueue[list[FusedSpeech] | BaseException] = SimpleQueue()
 
-        def encode_for_all(window: Window) -> list[FusedSpeech]:
-            by_branch = self._encode_speech(window)
-            for name, _ in others:
-                encoded.put(by_branch[name])
-            return by_branch[first]
+        def pass_on(x_t: Tensor, eps: Tensor, t: Tensor) -> None:
+            estimates.put(denoiser.estimate(x_t, eps, t))
 
-        def eps_ahead(x_t: Tensor, place: int, speech: list[FusedSpeech]) -> Tensor:
-            eps = self._eps(first, first_branch, x_t, place, speech, None)
-            if others:
-                estimates.put(self._denoiser.estimate(x_t, eps, self._t[place : place + 1]))
-            return eps
+        def receive() -> Tensor | None:
+            estimate = estimates.get()
+            if isinstance(estimate, BaseException):
+                raise estimate
+            return estimate
 
         def ahead() -> list[Tensor]:
             try:
-                return self._sample(first, windows, shared, encode_for_all, eps_ahead)
+                return self._sample(first, windows, shared, lambda: None, pass_on)
             except BaseException as error:
                 estimates.put(error)
-                encoded.put(error)
                 raise
 
         if not others:
             return ahead()
-        second, second_branch = others[0]
-
-        def eps_behind(x_t: Tensor, place: int, speech: list[FusedSpeech]) -> Tensor:
-            return self._eps(second, second_branch, x_t, place, speech, _receive(estimates))
 
         def behind() -> list[Tensor]:
-            return self._sample(second, windows, shared, lambda _: _receive(encoded), eps_behind)
+            return self._sample(others[0], windows, shared, receive, lambda *_: None)
 
         branches = side_by_side(ahead, behind) if self._on_cpu else (ahead(), behind())
         return [
-            self._denoiser.join_parts(dict(zip((first, second), parts, strict=True)))
+            denoiser.join_parts(dict(zip((first, *others), parts, strict=True)))
             for parts in zip(*branches, strict=True)
         ]
-
-    def _encode_speech(self, window: Window) -> dict[str, list[FusedSpeech]]:
-        """Return each branch's speech condition at each place of the window's walk."""
-        places = self._sampling.entry if window.noise.continues else self._sampling.steps
-        modulations = {
-            name: [m[:places] for m in blocks] for name, blocks in self._modulations.items()
-        }
-        mel = window.speech.mel.to(self._device).expand(places, -1, -1)
-        return self._denoiser.encode_speech(
-            mel, window.speech.hubert.to(self._device)[None], modulations
-        )
 
     def _sample(
         self,
         name: str,
         windows: Sequence[Window],
         shared: Tensor | None,
-        encode: Callable[[Window], list[FusedSpeech]],
-        eps: Callable[..., Tensor],
+        x0_hat: Callable[[], Tensor | None],
+        on_eps: Callable[[Tensor, Tensor, Tensor], None],
     ) -> list[Tensor]:
-        """Return a branch's part of the motion of all windows."""
+        """Return a branch's part of the motion of all windows.
+
+        `x0_hat` returns the other branch's estimate for the next evaluation, and `on_eps` is called
+        with x_t, eps and t of each.
+        """
         part = self._denoiser.parts[name]
+        branch = self._denoiser.ordered_branches[name]
 
-        def inputs() -> Iterator[tuple[Estimate, WindowNoise]]:
-            for window in windows:
-                noise = window.noise.slice_values(part).to(self._device)
-                yield partial(eps, speech=encode(window)), noise
+        def eps(x_t: Tensor, place: int, speech: list[FusedSpeech]) -> Tensor:
+            row = slice(place, place + 1)
+            modulations = [block[row] for block in self._modulations[name]]
+            fused_speech = [fused.rows(row) for fused in speech]
+            result: Tensor = branch(x_t, self._t[row], modulations, fused_speech, x0_hat())
+            on_eps(x_t, result, self._t[row])
+            return result
 
-        return sample_windows(inputs(), self._sampling, None if shared is None else shared[:, part])
-
-    def _eps(
-        self,
-        name: str,
-        branch: Branch,
-        x_t: Tensor,
-        place: int,
-        speech: list[FusedSpeech],
-        x0_hat: Tensor | None,
-    ) -> Tensor:
-        """Return the noise in a branch's part of the motion, (1, frames, part)."""
-        row = slice(place, place + 1)
-        modulations = [block[row] for block in self._modulations[name]]
-        eps: Tensor = branch(
-            x_t, self._t[row], modulations, [fused.rows(row) for fused in speech], x0_hat
+        inputs = (
+            (
+                partial(eps, speech=self._encode_speech(branch, window)),
+                window.noise.slice_values(part).to(self._device),
+            )
+            for window in windows
         )
-        return eps
+        return sample_windows(inputs, self._sampling, None if shared is None else shared[:, part])
 
-
-Message = TypeVar("Message")
-
-
-def _receive(queue: SimpleQueue[Message | BaseException]) -> Message:
-    """Return the next message, or raise the other branch's error."""
-    message = queue.get()
-    if isinstance(message, BaseException):
-        raise message
-    return message
+    def _encode_speech(self, branch: Branch, window: Window) -> list[FusedSpeech]:
+        """Return a branch's speech condition at each place of the window's walk."""
+        places = self._sampling.entry if window.noise.continues else self._sampling.steps
+        mel = window.speech.mel.to(self._device).expand(places, -1, -1)
+        modulations = {"audio": [self._modulations["audio"][0][:places]]}
+        audio = self._denoiser.encode_audio(mel, modulations)
+        return branch.encode_speech(audio, window.speech.hubert.to(self._device)[None])
 
 
 _PADDING: Final = 64
@@ -394,7 +370,7 @@ def transpose_weight_layout(network: nn.Module) -> None:
     If they are stored output by output, such products spend part of their time on reordering.
     """
     for layer in network.modules():
-        if isinstance(layer, nn.Linear):
+        if isinstance(layer, nn.Linear) and layer.weight.is_contiguous():
             weight = layer.weight.data
             room = torch.empty(weight.shape[1], weight.shape[0] + _PADDING, dtype=weight.dtype)
             layer.weight.data = room[:, : weight.shape[0]].copy_(weight.t()).t()

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import torch
@@ -17,12 +17,12 @@ from generators.diffsheg.config import ABLATIONS, PRESETS, STRIDE, DenoiserConfi
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.network_file import MotionNetwork, Normalisation, write_network
-from generators.learned import cut_windows, describe_training, describe_training_data, run_training
+from generators.learned import cut_windows, describe_training, run_training
 from generators.registry import TrainedGenerator, TrainingRequest
 from motion.arrays import Floats, Floats32, Ints
 from motion.errors import InputError
 from training.data.feature_cache import PreparedTakes
-from training.data.take import Feature, TakeFolder
+from training.data.take import Feature
 from training.data.windows import Windows
 from training.diffusion import LINEAR
 from training.features import (
@@ -35,7 +35,6 @@ from training.features import (
     show_gesture,
 )
 from training.run.batches import evenly_spaced
-from training.run.loop import Trained
 from training.run.task import WindowTask
 from training.speakers import Speakers
 from training.speech_features.hubert import Hubert, load_hubert, stand_in
@@ -105,19 +104,16 @@ class DiffShegTask(WindowTask):
         rows = np.linspace(0, len(self.held_out) - 1, VALIDATION_WINDOWS).round().astype(np.int64)
         chance = np.random.default_rng(_VALIDATION_SEED)
         steps = chance.permutation(LINEAR.steps * (2 * np.arange(len(rows)) + 1) // (2 * len(rows)))
-        sums: dict[str, float] = {}
-        with _unguided(network):
-            for first in range(0, len(rows), _VALIDATION_BATCH):
-                batch = self._batch(self.held_out, rows[first : first + _VALIDATION_BATCH])
-                noise = chance.standard_normal(tuple(batch["motion"].shape), dtype=np.float32)
-                losses = self._losses(
-                    network,
-                    batch,
-                    torch.from_numpy(steps[first : first + _VALIDATION_BATCH]).to(self.device),
-                    torch.from_numpy(noise).to(self.device),
-                )
-                for name, value in losses.items():
-                    sums[name] = sums.get(name, 0.0) + float(value) * len(batch["motion"])
+        _set_guidance(network, None)
+        sums: defaultdict[str, float] = defaultdict(float)
+        for first in range(0, len(rows), _VALIDATION_BATCH):
+            part = slice(first, first + _VALIDATION_BATCH)
+            batch = self._batch(self.held_out, rows[part])
+            noise = chance.standard_normal(tuple(batch["motion"].shape), dtype=np.float32)
+            given = (torch.from_numpy(each).to(self.device) for each in (steps[part], noise))
+            for name, value in self._losses(network, batch, *given).items():
+                sums[name] += float(value) * len(noise)
+        _set_guidance(network, self.config.guidance)
         means = {name: total / len(rows) for name, total in sums.items()}
         return {METRIC: means["loss"] - self.weights.velocity * means["velocity"], **means}
 
@@ -147,18 +143,9 @@ class DiffShegTask(WindowTask):
         return self.normalisation.normalised(motion.astype(np.float64)).astype(np.float32)
 
 
-@contextmanager
-def _unguided(network: Denoiser) -> Iterator[None]:
-    """Turn off a network's guidance, in evaluation mode."""
-    branches = [branch for _, branch in network.ordered_branches]
-    guidances = [branch.guidance for branch in branches]
-    try:
-        for branch in branches:
-            branch.guidance = None
-        yield
-    finally:
-        for branch, guidance in zip(branches, guidances, strict=True):
-            branch.guidance = guidance
+def _set_guidance(network: Denoiser, guidance: float | None) -> None:
+    for branch in network.ordered_branches.values():
+        branch.guidance = guidance
 
 
 _DATASETS: Final[Mapping[str, str]] = {"beat": "beat", "beat2": "show", "show": "show"}
@@ -191,8 +178,7 @@ def training_features(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[
 
 def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
     """Train DiffSHEG; see `generators.registry.TrainGenerator`."""
-    dataset = _dataset_of(request.takes)
-    preset = _requested_preset(request, dataset)
+    dataset, preset = _requested_preset(request)
     folder = request.choices.get("hubert")
     hubert = (stand_in() if folder is None else load_hubert(Path(folder))).to_device(request.device)
     frame_rate = preset.network.frame_rate
@@ -214,59 +200,46 @@ def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
         **windows,
     )
     config = preset.config_for(task.examples, request.changes)
-    trained, facts = run_training(request, task, config, ("transformers",))
-    with torch.no_grad():
-        untrained = dict(task.validation(task.network().eval()))
-    facts |= {
-        "losses": preset.losses,
-        "last_loss": trained.last_loss,
-        "untrained": untrained,
-        "data": {
-            **facts["data"],
-            "takes": len(prepared.takes),
-            "windows": len(task.training),
-            "held_out_windows": len(task.held_out),
-        },
-    }
+    trained, facts = run_training(request, task, config)
     network = MotionNetwork(
         model=trained.network.cpu(),
         dataset=dataset,
         normalisation=task.normalisation,
         speakers=task.speakers,
         hubert=hubert.identity,
-        training=facts,
+        training={**facts, "losses": preset.losses},
     )
     write_network(request.out, network)
-    return _describe(task, trained, untrained, hubert)
+    measured = trained.best.measured
+    return describe_training(
+        task,
+        trained,
+        f"Held-out loss: noise and reconstruction {measured[METRIC]:.4g}, which selects the "
+        f"weights; with velocity {measured['loss']:.4g}.",
+        warnings=[
+            f"Speech was encoded by a {hubert.description}: the network can learn the timing and "
+            "manner of speech, but not its words."
+        ]
+        if hubert.stands_in
+        else [],
+    )
 
 
-def _dataset_of(takes: TakeFolder) -> str:
-    if takes.kind not in _DATASETS:
-        raise InputError(
-            f"recordings of the layout {takes.kind!r} have no face, and DiffSHEG generates body "
-            "and face together",
-            remedy="Give recordings of BEAT, BEAT2 or SHOW",
-        )
-    return _DATASETS[takes.kind]
-
-
-def _requested_preset(request: TrainingRequest, dataset: str) -> TrainingPreset:
-    """Return sizes and training for the motion of a data set, with the researcher's choices."""
+def _requested_preset(request: TrainingRequest) -> tuple[str, TrainingPreset]:
+    """Return the data set whose representation is used, and the researcher's choices."""
+    kind = request.takes.kind
+    dataset = _DATASETS.get(kind, "")
     preset = PRESETS[request.config].get(dataset)
     if preset is None:
-        fitting = [name for name, presets in PRESETS.items() if dataset in presets]
         raise InputError(
-            f"the config {request.config} does not fit these recordings, whose motion is "
-            f"represented as {dataset.upper()}'s",
-            remedy=f"Use --config {' or '.join(fitting)}",
+            f"the config {request.config} does not fit recordings of the layout {kind!r}",
+            remedy="Give recordings with faces: of BEAT for --config beat, of BEAT2 or SHOW for "
+            "show, any of them for tiny",
         )
     ablation = request.choices.get("ablation")
     changes = {} if ablation is None else ABLATIONS[ablation]
-    return replace(
-        preset,
-        network=replace(preset.network, **changes),
-        losses=request.choices.get("preset", preset.losses),
-    )
+    losses = request.choices.get("preset", preset.losses)
+    return dataset, replace(preset, network=replace(preset.network, **changes), losses=losses)
 
 
 def normalisation_of(prepared: PreparedTakes) -> Normalisation:
@@ -282,31 +255,3 @@ def normalisation_of(prepared: PreparedTakes) -> Normalisation:
     mean = np.sum([motion.sum(axis=0) for motion in motions()], axis=0) / count
     squares = np.sum([((motion - mean) ** 2).sum(axis=0) for motion in motions()], axis=0)
     return Normalisation(mean, np.sqrt(squares / count))
-
-
-def _describe(
-    task: DiffShegTask,
-    trained: Trained[Any],
-    untrained: Mapping[str, float],
-    hubert: Hubert,
-) -> TrainedGenerator:
-    measured = trained.best.measured
-    sentences = (
-        describe_training_data(task.training, task.speakers),
-        "Held-out loss, before the first step → now: noise and reconstruction "
-        f"{untrained[METRIC]:.4g} → {measured[METRIC]:.4g}, with velocity "
-        f"{untrained['loss']:.4g} → {measured['loss']:.4g}.",
-        f"Weights are those with the smallest {METRIC.replace('_', ' ')} loss of held-out windows.",
-    )
-    warnings = []
-    if measured[METRIC] >= untrained[METRIC]:
-        warnings.append(
-            "It predicts held-out takes no better than before its first step: give it more "
-            "recordings, or more steps."
-        )
-    if hubert.stands_in:
-        warnings.append(
-            f"Speech was encoded by a {hubert.description}: the network can learn the timing and "
-            "manner of speech, but not its words."
-        )
-    return describe_training(task, trained, *sentences, warnings=warnings)

@@ -12,7 +12,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from generators.learned import cut_windows, describe_training, describe_training_data, run_training
+from generators.learned import cut_windows, describe_training, run_training
 from generators.registry import TrainedGenerator, TrainingRequest
 from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights, NetworkConfig
 from generators.s2ue.losses import (
@@ -28,11 +28,10 @@ from motion.body.face_landmarks import FaceLandmarks
 from training.data.windows import Windows
 from training.features import bone_features
 from training.run.batches import evenly_spaced
-from training.run.loop import Trained
 from training.run.task import WindowTask
 from training.spaces.bones_and_landmarks import BONE_VALUES, joints_from_directions, split_motion
 from training.speakers import Speakers, latent_loss
-from training.speech_features.word_vectors import StandIn, WordVectors, load_word_vectors
+from training.speech_features.word_vectors import StandIn, load_word_vectors
 
 STRIDE: Final = 10
 """Frames from one training window to the next, as in the TED Gesture data set."""
@@ -204,25 +203,8 @@ def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
         training={**facts, "losses": asdict(weights)},
     )
     write_network(request.out, network)
-    return _describe(task, vectors, trained)
-
-
-def _with_changes(settings: _Settings, changes: Mapping[str, Any]) -> _Settings:
-    """Return settings with those changes of an ablation that apply to them."""
-    applicable = {name: value for name, value in changes.items() if hasattr(settings, name)}
-    return replace(settings, **applicable)
-
-
-def _describe(task: S2ueTask, vectors: WordVectors, trained: Trained[Network]) -> TrainedGenerator:
-    prepared = task.training.prepared
-    training_takes = [take for take in prepared.takes if take.split == "train"]
-    transcribed = sum(take.transcript is not None for take in training_takes)
-    sentences = (
-        describe_training_data(task.training, task.speakers),
-        f"Takes with a transcript: {transcribed}.",
-        f"Loss of reconstruction (equation 17) in {len(task.held_out)} held-out windows: "
-        f"{trained.best.measured['reconstruction']:.3f}, in units of the motion's spread.",
-    )
+    takes = [take for take in task.training.prepared.takes if take.split == "train"]
+    transcribed = sum(take.transcript is not None for take in takes)
     warnings = []
     if isinstance(vectors, StandIn):
         warnings.append(
@@ -230,4 +212,17 @@ def _describe(task: S2ueTask, vectors: WordVectors, trained: Trained[Network]) -
         )
     if not transcribed:
         warnings.append("It learned from sound alone: no recording has a transcript.")
-    return describe_training(task, trained, *sentences, warnings=warnings)
+    return describe_training(
+        task,
+        trained,
+        f"Takes with a transcript: {transcribed}.",
+        f"Loss of reconstruction (equation 17) in {len(task.held_out)} held-out windows: "
+        f"{trained.best.measured['reconstruction']:.3f}, in units of the motion's spread.",
+        warnings=warnings,
+    )
+
+
+def _with_changes(settings: _Settings, changes: Mapping[str, Any]) -> _Settings:
+    """Return settings with those changes of an ablation that apply to them."""
+    applicable = {name: value for name, value in changes.items() if hasattr(settings, name)}
+    return replace(settings, **applicable)

@@ -9,7 +9,7 @@ from typing import Any, Final, Literal, get_args, get_origin
 import click
 
 from generators.registry import generator_names, settings_type
-from generators.settings import File, Folder, Setting, settings_of
+from generators.settings import File, Folder, types_of
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError, counted, listed
 from motion.segment import EMOTIONS
@@ -50,15 +50,16 @@ class SettingsCommand(click.Command):
 
 def _setting_options() -> Iterator[click.Option]:
     """Yield an option for each setting; generators may share one."""
-    by_name: dict[str, dict[str, Setting]] = {}
+    types_by_name: dict[str, set[Any]] = {}
+    takers_by_name: dict[str, dict[str, list[str]]] = {}
     for generator in generator_names():
-        for setting in settings_of(settings_type(generator)):
-            by_name.setdefault(setting.key, {})[generator] = setting
-    for name, settings in by_name.items():
-        types = {setting.type for setting in settings.values()}
-        takers: dict[str, list[str]] = {}
-        for generator, setting in settings.items():
-            takers.setdefault(setting.description, []).append(generator)
+        kind = settings_type(generator)
+        for name, type_of_values in types_of(kind).items():
+            description = kind.model_fields[name].description or ""
+            types_by_name.setdefault(name, set()).add(type_of_values)
+            takers_by_name.setdefault(name, {}).setdefault(description, []).append(generator)
+    for name, types in types_by_name.items():
+        takers = takers_by_name[name]
         yield click.Option(
             [f"--{name.replace('_', '-')}"],
             type=_param_type(types.pop()) if len(types) == 1 else click.STRING,

@@ -11,7 +11,7 @@ import tomlkit
 from pydantic import ValidationError
 
 from generators.registry import generator_names, needs_source, settings_type
-from generators.settings import File, settings_of
+from generators.settings import File, types_of
 from motion.errors import InputError, listed
 from motion.segment import check_name
 from studyapp.study.settings.conditions import Condition
@@ -190,8 +190,9 @@ def _read_source(text: str, folder: Path) -> Condition:
 
 def _required_files(generator: str) -> list[str]:
     """Return the keys of the files that a generator needs."""
-    settings = settings_of(settings_type(generator))
-    return [setting.key for setting in settings if setting.type == File and setting.required]
+    kind = settings_type(generator)
+    files = [key for key, type_of_values in types_of(kind).items() if type_of_values == File]
+    return [key for key in files if kind.model_fields[key].is_required()]
 
 
 def _read_weight_files(generator: str, text: str, required: Sequence[str]) -> list[Path]:
@@ -228,7 +229,7 @@ def make_condition(generator: str, options: Mapping[str, Any], folder: Path = Pa
     InputError
         If an option belongs to another generator, or its value is unusable.
     """
-    types = {setting.key: setting.type for setting in settings_of(settings_type(generator))}
+    types = types_of(settings_type(generator))
     values: dict[str, Any] = {"generator": generator}
     for key, value in options.items():
         if isinstance(value, Path):

@@ -104,42 +104,19 @@ class RunLog:
         write_text(self._path, "".join(f"{json.dumps(line)}\n" for line in self.lines))
 
 
-_PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
-
-
-def package_versions(*extra: str) -> dict[str, str]:
-    """Return the versions of the packages that every training uses, and of `extra` packages."""
-    return {name: metadata.version(name) for name in (*_PACKAGES, *extra)}
+_PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch", "transformers")
 
 
 def run_facts(
-    config: TrainingConfig,
-    trained: Trained[Any],
-    kind: str,
-    data_sha256: str,
-    packages: Sequence[str] = (),
+    config: TrainingConfig, trained: Trained[Any], data: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return facts about a network's training and data, as JSON values.
-
-    Parameters
-    ----------
-    config : TrainingConfig
-        The settings.
-    trained : Trained
-        The result.
-    kind : str
-        The recordings' layout.
-    data_sha256 : str
-        Hash of the recordings.
-    packages : sequence of str
-        Further packages whose versions are recorded.
-    """
+    """Return facts about a network's training and data, as JSON values."""
     return {
         "config": config.facts(),
         "best_step": trained.best.step,
         "held_out": dict(trained.best.measured),
-        "data": {"kind": kind, "sha256": data_sha256},
-        "versions": package_versions(*packages),
+        "data": dict(data),
+        "versions": {name: metadata.version(name) for name in _PACKAGES},
     }
 
 

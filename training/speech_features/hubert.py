@@ -202,7 +202,11 @@ def load_hubert(folder: Path) -> Hubert:
     InputError
         If the folder has another network, lacks a weight, or has other than 1024 channels.
     """
-    check_hubert(folder)
+    width = _HUBERT_FOLDER.check(folder).get("hidden_size")
+    if width != FEATURES:
+        raise _HUBERT_FOLDER.error(
+            f"the network has {width} channels, not HuBERT-large's {FEATURES}", folder / CONFIG
+        )
     network = _HUBERT_FOLDER.load(folder)
     sha256 = sha256_of(folder / WEIGHTS)
     return Hubert(
@@ -211,15 +215,6 @@ def load_hubert(folder: Path) -> Hubert:
         stands_in=False,
         identity=f"sha256 {sha256}",
     )
-
-
-def check_hubert(folder: Path) -> None:
-    """Raise `InputError` unless a folder holds HuBERT; nothing is loaded."""
-    width = _HUBERT_FOLDER.check(folder).get("hidden_size")
-    if width != FEATURES:
-        raise _HUBERT_FOLDER.error(
-            f"the network has {width} channels, not HuBERT-large's {FEATURES}", folder / CONFIG
-        )
 
 
 def stand_in() -> Hubert:

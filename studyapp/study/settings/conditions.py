@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from pydantic import Field, model_validator
 
 from generators.registry import generator_names, needs_model, needs_source, settings_type
-from generators.settings import Reader, Settings
+from generators.settings import Settings
 from studyapp.study.settings.sections import Name, Section
 
 if TYPE_CHECKING:
@@ -44,8 +44,7 @@ class Condition(Section, extra="allow"):
     def settings(self) -> Settings:
         """The keys of its generator, with paths relative to the study folder."""
         kind = Settings if self.generator is None else settings_type(self.generator)
-        reader = Reader(generator=self.generator or "", sibling_keys=tuple(type(self).model_fields))
-        return kind.model_validate(self.model_extra or {}, context=reader)
+        return kind.model_validate(self.model_extra or {})
 
     @model_validator(mode="after")
     def _has_valid_settings(self) -> Condition:

@@ -64,7 +64,7 @@ def test_a_short_training_improves_reconstruction_and_denoising(
         result[steps] = load_motion(out).training["held_out"]
     for loss in ("rec", "ld", "align"):
         assert result[40][loss] < 0.9 * result[1][loss]
-    assert "30 windows of 0.4 s" in outcome.sentences[0]
+    assert "30 windows of 6 takes by 1 speaker (1)" in outcome.sentences[0]
 
 
 PRIOR = {"kl", "rec", "vrec"}

@@ -40,15 +40,16 @@ def test_it_learns_to_disentangle_speech_of_unheard_texts(learn: Learn, tmp_path
     result = network.training["held_out"]
     assert result["emotion accuracy"] == result["emotion F1"] == 1
     assert result["style accuracy"] == result["style F1"] == 1
-    assert "2 speakers in 2 emotions" in outcome.sentences[0]
+    assert "by 2 speakers (ann, bob)" in outcome.sentences[0]
+    assert "quadruples in 2 emotions" in outcome.sentences[1]
     assert (
         "In 16 held-out windows it recognises the emotion of 100% (chance 50%)"
-        in outcome.sentences[1]
+        in outcome.sentences[2]
     )
     # Emotion and style are the same in both recordings of a pair, so swapping them costs little.
     for name in ("xcon", "xemo", "xsty"):
         assert result[name] == pytest.approx(result["self of fours"], rel=0.3)
-    assert "In 4 held-out quadruples it is" in outcome.sentences[1]
+    assert "In 4 held-out quadruples it is" in outcome.sentences[2]
     assert set(network.latents["emotion"]) == {"anger", "happiness"}
     assert set(network.latents["style"]) == {"ann", "bob"}
     happy, angry = (network.labelled("emotion", name) for name in ("happiness", "anger"))
@@ -68,7 +69,7 @@ def test_an_ablation_swaps_only_the_parts_it_disentangles(
     assert f'"{left_out}"' not in log[0]
     assert {"xcon", f"x{told}"} <= result.keys()
     assert f"x{left_out}" not in result
-    assert outcome.sentences[1].count("with another's") == 2
+    assert outcome.sentences[2].count("with another's") == 2
 
 
 def test_the_encoders_start_from_the_weights_of_a_folder(learn: Learn, tmp_path: Path) -> None:
@@ -84,7 +85,7 @@ def test_the_encoders_start_from_the_weights_of_a_folder(learn: Learn, tmp_path:
             torch.testing.assert_close(encoder.transformer.state_dict()[name], value)
     assert str(learned.training["encoder_weights"]).startswith("ast (sha256 ")
     assert learned.training["held_out"].keys().isdisjoint({"xcon", "xemo", "xsty"})
-    assert "no two speakers speak two held-out texts in one emotion" in outcome.sentences[1]
+    assert "no two speakers speak two held-out texts in one emotion" in outcome.sentences[2]
     with pytest.raises(InputError, match="no encoders to initialise"):
         learn(1, out, ablation="mfcc", encoder_weights=str(tmp_path / "ast"))
 
@@ -103,7 +104,7 @@ def test_an_autoencoder_can_replace_the_speech_model(learn: Learn, tmp_path: Pat
         outcome = learn(steps, out.with_stem(str(steps)), ablation="mfcc")
         missed.append(load_speech(out.with_stem(str(steps))).training["held_out"]["loss"])
     assert missed[1] < 0.9 * missed[0]
-    assert "reconstruction error in 8 held-out windows" in outcome.sentences[1]
+    assert "reconstruction error in 8 held-out windows" in outcome.sentences[2]
 
 
 def test_recordings_without_a_known_speaker_for_validation_are_refused(

@@ -75,23 +75,18 @@ def test_body_statistics_precede_the_faces_which_may_be_in_another_folder(
     assert result.mean.tolist() == [0.0, 1.0, 2.0, 0.1, 0.2]
     assert result.std.tolist() == [1.0, 0.0, 2.3e-8, 0.5, 0.25]
     (stats / "json_std.npy").unlink()
-    with pytest.raises(InputError, match=r"json_std\.npy: .*no such file"):
+    with pytest.raises(InputError, match=r"json_std\.npy: .*not an array of 2 finite numbers"):
         read_normalisation(stats, SMALL)
 
 
 @pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        (np.zeros(4), "shape"),
-        (np.array([0.0, np.nan, 0.0]), "finite"),
-        (np.array([None] * 3, dtype=object), "plain array"),
-        (np.array([-1.0, 0.0, 0.0]), "negative"),
-    ],
-    ids=["another size", "not a number", "pickled", "negative"],
+    "values",
+    [np.zeros(4), np.array([0.0, np.nan, 0.0]), np.array([None] * 3, dtype=object)],
+    ids=["another size", "not a number", "pickled"],
 )
-def test_unusable_content_is_refused(stats: Path, values: np.ndarray, message: str) -> None:
+def test_unusable_content_is_refused(stats: Path, values: np.ndarray) -> None:
     np.save(stats / "axis_angle_std.npy", values, allow_pickle=True)
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(InputError, match=r"axis_angle_std.* not an array of 3 finite numbers"):
         read_normalisation(stats, SMALL)
 
 

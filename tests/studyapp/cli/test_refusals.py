@@ -19,7 +19,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "study --generator static": "the generators of a study are set in its study.toml",
         "study --seed 2": "and so is the seed",
         "--generator static --speech a.wav --speech more/a.wav --out new": "two files of speech",
-        "--generator diffsheg --speech a.wav --out new": "'diffsheg' needs a checkpoint",
+        "--generator diffsheg --speech a.wav --out new": "checkpoint: is missing",
         "--generator broken --speech a.wav --out new": "changes another condition's motion",
         "--generator static --speech a.wav --out motion": "this motion was not generated",
     },

@@ -44,9 +44,8 @@ def test_changing_any_setting_regenerates_clips(
 @pytest.mark.parametrize(
     ("keys", "error"),
     [
-        ({}, "checkpoint: generator 'diffsheg' needs a checkpoint"),
-        ({"chekpoint": "a"}, "chekpoint: unknown key (did you mean 'checkpoint'?)"),
-        ({"words": "a"}, "words: unknown key (known are checkpoint, dataset, stats, hubert,"),
+        ({}, "checkpoint: is missing"),
+        ({"words": "a"}, "words: unknown key in line"),
         ({"steps": 0}, "steps: must be greater than or equal to 1"),
         ({"hubert": ""}, "hubert: must be a path in quotes"),
     ],
@@ -54,11 +53,11 @@ def test_changing_any_setting_regenerates_clips(
 def test_check_names_wrong_settings_of_a_condition(
     folder: StudyFolder, keys: dict[str, Any], error: str
 ) -> None:
-    given = {"checkpoint": "small.pt"} if keys and "chekpoint" not in keys else {}
+    given = {"checkpoint": "small.pt"} if keys else {}
     set_condition(folder, **given, **keys)
     told = " ".join(refused("check", folder.root).split())
     assert f"study.toml: conditions.ours.{error}" in told
-    assert "(line " in told
+    assert "line " in told
 
 
 @pytest.mark.parametrize(
