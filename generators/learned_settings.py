@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Final, Literal, Self
+from typing import Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from generators.settings import File, Folder, NameOrFile, Settings, content
-
-MIXED_SPEAKER: Final = "anybody"
-"""Speaker of S2UE that is a random mixture of its speakers, drawn with the seed."""
 
 
 def _check_speaker(speaker: int | str | None) -> int | str | None:
@@ -152,7 +149,7 @@ class S2ueSettings(ModelSettings):
     vectors : Path or None
         FastText's word vectors, the same as in training; None for the stand-in.
     speaker : int, str or None
-        Number or name of a training speaker, or ``anybody``; None for the segment's speaker.
+        Number or name of a training speaker; None for the segment's speaker.
     variation : float
         Scale of the random variation of the speaker's latent: 0 for its mean, 1 as in training.
     """
@@ -161,9 +158,7 @@ class S2ueSettings(ModelSettings):
         None, description="Transcripts, named as the speech: .TextGrid, .csv, .lab or .txt."
     )
     vectors: File | None = Field(None, description="FastText's vectors; without them, a stand-in.")
-    speaker: int | str | None = Field(
-        None, description=f"Speaker to move as: number, name or {MIXED_SPEAKER}."
-    )
+    speaker: int | str | None = Field(None, description="Speaker to move as: number or name.")
     variation: float = Field(
         1.0, ge=0, le=3, description="How far from the speaker's mean it moves; default 1."
     )

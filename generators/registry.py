@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, cast
 
-from pydantic import TypeAdapter
-
 from generators.interface import Generator
 from generators.learned_settings import ModelSettings
 from generators.settings import Settings
 from motion.errors import InputError
+from training.config import read_presets
 
 if TYPE_CHECKING:
     from training.data.take import TakeFolder
@@ -198,9 +196,7 @@ GENERATORS: Final = {
 }
 """All generators by name; further ones must be added before a study is read."""
 
-TRAINABLE: Final = TypeAdapter(dict[str, Trainable]).validate_python(
-    tomllib.loads(Path(__file__).with_name("trainables.toml").read_text("utf-8"))
-)
+TRAINABLE: Final = read_presets(Path(__file__).with_name("trainables.toml"), Trainable)
 """Trainable networks by name."""
 
 

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Literal, TypeVar
 
-from pydantic import TypeAdapter
+from pydantic import ConfigDict, TypeAdapter
 
 from training.run.batches import batches_per_epoch
 
@@ -169,6 +169,7 @@ Table = TypeVar("Table")
 
 
 def read_presets(file: Path, kind: type[Table]) -> Mapping[str, Table]:
-    """Return the tables of a TOML file by name, each as the type `kind`."""
+    """Return the tables of a TOML file by name, each as the type `kind`, without unknown keys."""
     tables = tomllib.loads(file.read_text("utf-8"))
-    return TypeAdapter(dict[str, kind]).validate_python(tables)  # type: ignore[valid-type]
+    adapter = TypeAdapter(dict[str, kind], config=ConfigDict(extra="forbid"))  # type: ignore[valid-type]
+    return adapter.validate_python(tables)

@@ -83,8 +83,20 @@ class PublishedEvaluator:
         InputError
             If the array has another shape or a value that is not finite.
         """
-        windows = np.asarray(motion, np.float32)
-        self._check(windows)
+        windows, preset = np.asarray(motion, np.float32), self.preset
+        frames = windows.shape[1] if windows.ndim == 3 else 0
+        fits = frames == preset.window if preset.window else frames >= preset.shortest
+        if (
+            not fits
+            or not len(windows)
+            or windows.shape[2] != preset.channels
+            or not np.isfinite(windows).all()
+        ):
+            count = f"{preset.window}" if preset.window else f"{preset.shortest} or more"
+            raise InputError(
+                f"the motion has shape {windows.shape}, or a value that is not finite",
+                remedy=f"Give {preset.title} (n, {count} frames, {preset.channels} numbers)",
+            )
         return in_batches(self.network, windows)
 
     def embed(self, clip: MotionClip) -> Floats32:
@@ -128,23 +140,6 @@ class PublishedEvaluator:
             "window": preset.cut,
             "batch normalisation": "as stored (evaluation mode)",
         }
-
-    def _check(self, motion: Floats32) -> None:
-        preset = self.preset
-        frames = f"{preset.window}" if preset.window else f"{preset.shortest} or more"
-        fits = motion.ndim == 3 and len(motion) and motion.shape[2] == preset.channels
-        if fits:
-            count = motion.shape[1]
-            fits = count == preset.window if preset.window else count >= preset.shortest
-        if not fits:
-            raise InputError(
-                f"the motion has shape {motion.shape}",
-                remedy=f"Give {preset.title} (n, {frames} frames, {preset.channels} numbers)",
-            )
-        if not np.isfinite(motion).all():
-            raise InputError(
-                "the motion holds a value that is not finite", remedy="Repair or cut it"
-            )
 
     def _normalised(self, frames: Floats) -> Floats32:
         if self.preset is not PRESETS["beat"]:

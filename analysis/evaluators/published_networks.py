@@ -186,37 +186,30 @@ class YoonNetwork(nn.Module):
         self, channels: int, convolved: tuple[int, int, int, int], connected: tuple[int, int, int]
     ) -> None:
         super().__init__()
-        self.pose_encoder = _PoseEncoder(channels, convolved, connected)
+        first, second, third, last = convolved
+        wide, narrow, features = connected
+        self.pose_encoder = nn.ModuleDict(
+            {
+                "net": nn.Sequential(
+                    _convolved(channels, first, 3, 1),
+                    _convolved(first, second, 3, 1),
+                    _convolved(second, third, 4, 2),
+                    nn.Conv1d(third, last, 3),
+                ),
+                "out_net": nn.Sequential(
+                    *_connected(last * _CONVOLVED_FRAMES, wide),
+                    *_connected(wide, narrow),
+                    nn.Linear(narrow, features),
+                ),
+                "fc_mu": nn.Linear(features, features),
+            }
+        )
 
     def forward(self, windows: Tensor) -> Tensor:
         """Return the mean of the latent distribution, which is the published feature."""
-        features: Tensor = self.pose_encoder(windows)
-        return features
-
-
-class _PoseEncoder(nn.Module):
-    def __init__(
-        self, channels: int, convolved: tuple[int, int, int, int], connected: tuple[int, int, int]
-    ) -> None:
-        super().__init__()
-        first, second, third, last = convolved
-        wide, narrow, features = connected
-        self.net = nn.Sequential(
-            _convolved(channels, first, 3, 1),
-            _convolved(first, second, 3, 1),
-            _convolved(second, third, 4, 2),
-            nn.Conv1d(third, last, 3),
-        )
-        self.out_net = nn.Sequential(
-            *_connected(last * _CONVOLVED_FRAMES, wide),
-            *_connected(wide, narrow),
-            nn.Linear(narrow, features),
-        )
-        self.fc_mu = nn.Linear(features, features)
-
-    def forward(self, windows: Tensor) -> Tensor:
-        convolved = self.net(windows.transpose(1, 2))
-        features: Tensor = self.fc_mu(self.out_net(convolved.flatten(1)))
+        encoder = self.pose_encoder
+        convolved = encoder["net"](windows.transpose(1, 2))
+        features: Tensor = encoder["fc_mu"](encoder["out_net"](convolved.flatten(1)))
         return features
 
 

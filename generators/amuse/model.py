@@ -7,7 +7,6 @@ positions are added once, at the input of a sequence, as in the released network
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
@@ -16,13 +15,6 @@ from generators.amuse.config import PARTS, STEPS, MotionConfig
 from training.diffusion import SCALED_LINEAR, step_embedding
 from training.layers.transformers import SkipTransformer
 from training.spaces.smplx_bodies import BodyPoints
-
-
-class Gaussian(NamedTuple):
-    """The distribution of a motion's latent: means and deviations, (batch, tokens, width) each."""
-
-    mu: Tensor
-    std: Tensor
 
 
 def _transformer(config: MotionConfig, *, reads_memory: bool = False) -> SkipTransformer:
@@ -59,13 +51,13 @@ class MotionPrior(nn.Module):
             self.memory_pos = nn.Parameter(torch.randn(config.tokens, config.width))
         self.final_layer = nn.Linear(config.width, config.motion_width)
 
-    def encode(self, motion: Tensor) -> Gaussian:
-        """Return the distribution of the latent of `motion` (batch, frames, motion width)."""
+    def encode(self, motion: Tensor) -> tuple[Tensor, Tensor]:
+        """Return means and deviations (batch, tokens, width) of the latent of `motion`."""
         tokens = self.global_motion_token.expand(len(motion), -1, -1)
         x = torch.cat([tokens, self.skel_embedding(motion)], dim=1)
         x = self.encoder(self.query_pos_encoder(x))
         mu, log_variance = x[:, : len(self.global_motion_token)].chunk(2, dim=1)
-        return Gaussian(mu=mu, std=(0.5 * (log_variance + self.config.log_variance)).exp())
+        return mu, (0.5 * (log_variance + self.config.log_variance)).exp()
 
     def decode(self, z: Tensor, frames: int | None = None) -> Tensor:
         """Return the motion of latents `z`, (batch, frames, motion width)."""
@@ -83,9 +75,9 @@ class NoPrior(nn.Module):
         super().__init__()
         self.latent_shape = (config.frames, config.motion_width)
 
-    def encode(self, motion: Tensor) -> Gaussian:
+    def encode(self, motion: Tensor) -> tuple[Tensor, Tensor]:
         """Return the motion, without uncertainty."""
-        return Gaussian(mu=motion, std=torch.zeros_like(motion))
+        return motion, torch.zeros_like(motion)
 
     def decode(self, z: Tensor, frames: int | None = None) -> Tensor:
         """Return the motion."""

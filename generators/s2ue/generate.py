@@ -12,7 +12,7 @@ from torch import Tensor
 
 from generators.interface import OnPart, SpeechSegment, seeded_stream
 from generators.learned import NetworkGenerator, check_finite, concatenate_parts, network_provenance
-from generators.learned_settings import MIXED_SPEAKER, S2ueSettings
+from generators.learned_settings import S2ueSettings
 from generators.s2ue.model import Network, S2ueNetwork, load_network
 from motion.arrays import Floats, Floats32
 from motion.body.face_landmarks import FaceLandmarks
@@ -95,12 +95,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         config = network.config
         chance = np.random.default_rng(seeded_stream(seed))
         noise = self._settings.variation * chance.standard_normal(config.latents)
-        name = self._name(speaker)
-        person = (
-            speakers.one_hot([name])[0]
-            if name in speakers.names
-            else chance.dirichlet(np.ones(len(speakers.names)))
-        )
+        person = speakers.one_hot([self._name(speaker)])[0]
         windows = stream_windows(chunks, config.frame_rate, config.frames, config.seeds)
         tensors = (torch.from_numpy(x.astype(np.float32)) for x in (person, noise))
         return synthesise_windows(windows, words, network, *(x.to(self._device) for x in tensors))
@@ -111,11 +106,9 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         return bone_and_landmark_clip(values, self._network.model.config.frame_rate, self._face)
 
     def _name(self, speaker: str | None) -> str:
-        """Return the speaker to move as: one of the network's speakers, or a mixture of them."""
-        speakers, chosen = self._network.speakers, self._settings.speaker
-        if chosen == MIXED_SPEAKER:
-            return MIXED_SPEAKER
-        return speakers.names[speakers.resolve(chosen, speaker, self._settings.checkpoint) - 1]
+        """Return the speaker to move as, one of the network's."""
+        speakers, settings = self._network.speakers, self._settings
+        return speakers.names[speakers.resolve(settings.speaker, speaker, settings.checkpoint) - 1]
 
     def _facts(self, speaker: str, transcript: tuple[Word, ...]) -> dict[str, str]:
         config, name = self._network.model.config, self._name(speaker)

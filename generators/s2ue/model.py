@@ -211,7 +211,7 @@ class Network(nn.Module):
         sound, words : Tensor
             (B, T, 84) MFCC; (B, T, 300) word vectors.
         person : Tensor
-            (B, K), one-hot, or shares of several speakers.
+            (B, K), one-hot.
         noise : Tensor
             (B, networks, D_k): noise of each network's latent, in standard deviations.
         seeds : Tensor

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +11,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from generators import registry
 from generators.amuse.config import MOTION_PRESETS, SPEECH_PRESETS
 from generators.diffsheg import config as diffsheg
 from generators.interface import Generator, SpeechSegment, StudyClips, with_length
@@ -161,32 +158,6 @@ def test_unknown_generators_and_wrong_settings_are_refused(
     settings = ModelSettings(checkpoint=tmp_path / "weights.pt") if weights else None
     with pytest.raises(InputError, match=message):
         load_generator(name, settings)
-
-
-HOME = Path(registry.__file__).parent
-
-
-@pytest.mark.parametrize(
-    ("file", "result"),
-    [
-        ("trainables.toml", TRAINABLE),
-        ("amuse/motion.toml", MOTION_PRESETS),
-        ("amuse/speech.toml", SPEECH_PRESETS),
-        ("diffsheg/presets.toml", diffsheg.PRESETS),
-        ("s2ue/presets.toml", s2ue.PRESETS),
-    ],
-)
-def test_each_key_of_a_packaged_file_is_known(file: str, result: Mapping[str, object]) -> None:
-    _check_known(tomllib.loads((HOME / file).read_text("utf-8")), result)
-
-
-def _check_known(keys: object, defaults: object) -> None:
-    if isinstance(keys, dict):
-        known = vars(defaults) if is_dataclass(defaults) else defaults
-        assert isinstance(known, Mapping)
-        assert keys.keys() <= known.keys()
-        for key, value in keys.items():
-            _check_known(value, known[key])
 
 
 @pytest.mark.parametrize(

@@ -88,19 +88,8 @@ def pair(request: pytest.FixtureRequest, study: StudyClips) -> tuple[MotionClip,
     return whole, Broken().generate(speech, seed=request.param, frame_rate=25, source=study)
 
 
-def test_jittered_motion_is_far_jerkier_than_its_source_in_every_second(
-    pair: tuple[MotionClip, MotionClip],
-) -> None:
+def test_faults_show_within_every_two_seconds(pair: tuple[MotionClip, MotionClip]) -> None:
     whole, broken = pair
-    for start in range(0, len(whole) - 25, 25):
-        second = slice(start, start + 25)
-        assert jerk(broken)[second].mean() > 8 * jerk(whole)[second].mean()
-
-
-def test_broken_joints_show_within_every_two_seconds(
-    pair: tuple[MotionClip, MotionClip],
-) -> None:
-    _, broken = pair
     turns = np.degrees(np.linalg.norm(broken.poses, axis=2))
     twisting = [joint_index(name) for name in ("neck", "left_wrist", "right_wrist")]
     twisted = (turns[:, twisting] > 110).any(axis=1)
@@ -110,21 +99,12 @@ def test_broken_joints_show_within_every_two_seconds(
     )
     bent_back = np.max(backward * (1, -1), axis=1) > 50
     for start in range(0, len(broken) - 50, 25):
-        assert twisted[start : start + 50].any()
-        assert bent_back[start : start + 50].any()
-
-
-def test_the_body_freezes_at_times_and_the_face_flickers(
-    pair: tuple[MotionClip, MotionClip],
-) -> None:
-    hip = joint_index("left_hip")
-    own_stops, stops = (
-        (np.abs(np.diff(clip.poses[:, hip], axis=0)).max(axis=1) == 0).sum() for clip in pair
-    )
-    assert stops > own_stops + 10
+        part = slice(start, start + 50)
+        assert twisted[part].any()
+        assert bent_back[part].any()
+        assert jerk(broken)[part].mean() > 8 * jerk(whole)[part].mean()
     smooth, flickering = (np.abs(np.diff(arkit_of(clip), axis=0)).mean() for clip in pair)
     assert flickering > 5 * smooth
-    assert (arkit_of(pair[1]) == 1).any(axis=1).mean() > 0.2
 
 
 def test_a_source_without_a_face_gets_none(study: ClipsInMemory) -> None:

@@ -13,7 +13,6 @@ from scipy.signal import find_peaks
 from analysis.metrics.self_penetration import PenetrableBody
 from generators.interface import SpeechSegment
 from generators.rule_based.body_pose import Trunk, pose_body
-from generators.rule_based.face_motion import speaking_mouth
 from generators.rule_based.generator import RuleBased
 from generators.rule_based.gesture_plan import HANDS, endings, plan_gestures
 from generators.rule_based.hand_tracks import plan_rests
@@ -201,27 +200,6 @@ def test_clasped_hands_lie_on_each_other() -> None:
     left, right = (joints[joint_index(f"{side}_middle1")] for side in ("left", "right"))
     assert 0.03 < np.linalg.norm(left - right) < 0.09
     assert right[2] > left[2]
-
-
-def vowel(formants: tuple[float, float], seconds: float = 1.0) -> np.ndarray:
-    """A buzz at 120 Hz whose harmonics near the formants are strong."""
-    times = np.arange(round(seconds * 16000)) / 16000
-    wave = np.zeros_like(times)
-    for k in range(1, 30):
-        gain = sum(np.exp(-(((120 * k - formant) / 150) ** 2)) for formant in formants)
-        wave += (0.02 + gain) * np.sin(2 * np.pi * 120 * k * times)
-    return 0.1 * wave
-
-
-def test_vowels_shape_the_lips() -> None:
-    vowels = [vowel((750, 1100)), vowel((300, 2200)), vowel((320, 650))]
-    audio = Audio(np.concatenate(vowels).astype(np.float32), 16000)
-    speech = prosody(audio, RATE)
-    shapes = speaking_mouth(audio, speech, np.arange(len(speech.energy)) / RATE, 1.0)
-    open_vowel, spread, rounded = slice(8, 22), slice(38, 52), slice(68, 82)
-    assert shapes["jawOpen"][open_vowel].mean() > 1.5 * shapes["jawOpen"][spread].mean()
-    assert shapes["mouthStretch"][spread].mean() > 2 * shapes["mouthStretch"][rounded].mean()
-    assert shapes["mouthPucker"][rounded].mean() > 2 * shapes["mouthPucker"][spread].mean()
 
 
 @st.composite

@@ -21,16 +21,6 @@ def test_a_rotation_is_the_first_two_columns_of_its_matrix() -> None:
     np.testing.assert_allclose(seen[2, 9:12], turn[:, 1], atol=1e-6)
 
 
-def test_equal_rotations_have_equal_features() -> None:
-    clip = random_clip(3)
-    length = np.linalg.norm(clip.poses, axis=2, keepdims=True)
-    other_way = clip.poses * (1 - 2 * np.pi / length)
-    view = ClipView(joints=GESTURE_JOINTS)
-    np.testing.assert_allclose(
-        view.frames(clip), view.frames(replace(clip, poses=other_way)), atol=1e-5
-    )
-
-
 @pytest.mark.parametrize("face", ["arkit", "expressions"])
 def test_gesture_and_face_are_concatenated(face: Face) -> None:
     clip = random_clip(3)

@@ -40,7 +40,7 @@ def test_motion_and_latents_do_not_depend_on_the_rest_of_the_batch() -> None:
     alone = slice(1, 2)
     few = [condition[alone] for condition in speech]
     for together, expected in (
-        (model.prior.encode(motion).mu, model.prior.encode(motion[alone]).mu),
+        (model.prior.encode(motion)[0], model.prior.encode(motion[alone])[0]),
         (model.prior.decode(noise), model.prior.decode(noise[alone])),
         (model.denoiser(noise, steps, *speech), model.denoiser(noise[alone], steps[alone], *few)),
         (model.sample(noise, speech, steps=5), model.sample(noise[alone], few, steps=5)),

@@ -74,12 +74,10 @@ def test_motion_follows_the_chosen_speaker_and_ignores_the_seed_without_variatio
 ) -> None:
     still = generator(checkpoint, variation=0.0)
     np.testing.assert_array_equal(values(still, speech), values(still, speech, seed=2))
-    anna, ben, anybody = (
-        values(generator(checkpoint, variation=0.0, speaker=name), speech)
-        for name in ("anna", 2, "anybody")
+    anna, ben = (
+        values(generator(checkpoint, variation=0.0, speaker=name), speech) for name in ("anna", 2)
     )
     assert not np.array_equal(anna, ben)
-    assert not np.array_equal(anybody, anna)
     with pytest.raises(InputError, match="knows no speaker 'carl'"):
         values(generator(checkpoint, speaker="carl"), speech)
 

@@ -63,7 +63,7 @@ def test_check_names_wrong_settings_of_a_condition(
 @pytest.mark.parametrize(
     ("options", "error"),
     [
-        (("static", "--speaker", 2), "speaker is given, but nothing there uses it"),
+        (("static", "--speaker", 2), "speaker: unknown key"),
         (("diffsheg", "--checkpoint", "absent.pt"), "there is no such checkpoint"),
         (("diffsheg", "--checkpoint", "{network}", "--steps", 0), "steps: must be greater"),
         (("static", "--emotion", "laughter.wav"), "unknown emotion 'laughter.wav'"),
