@@ -165,7 +165,7 @@ class Preset:
         Frames of a window, frames that must remain at a window's start, and frames from one window
         to the next; a window of 0 is the whole clip.
     shortest : int
-        Fewest frames that the network accepts.
+        Fewest frames that the network accepts, if the whole clip is a window.
     cut : str
         The cutting of windows in words.
     rule : {'pytorch-fid', 'offset'}
@@ -185,8 +185,8 @@ class Preset:
     frame_rate: float
     window: int = 0
     span: int = 0
-    stride: int = 0
-    shortest: int
+    stride: int = 10
+    shortest: int = 0
     cut: str
     rule: Rule
     network: Callable[[], nn.Module]
@@ -220,8 +220,6 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             frame_rate=15.0,
             window=34,
             span=34,
-            stride=10,
-            shortest=34,
             cut="34 frames, every 10 frames: neighbours overlap",
             rule="pytorch-fid",
             network=partial(YoonNetwork, 141, (300, 600, 600, 300), (1200, 600, 300)),
@@ -237,8 +235,6 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             frame_rate=15.0,
             window=34,
             span=42,
-            stride=10,
-            shortest=34,
             cut="the first 34 of 42 frames, every 10 frames: neighbours overlap; no window is "
             "filtered out",
             rule="pytorch-fid",

@@ -252,10 +252,7 @@ def _describe_measures(task: SpeechTask, measured: Mapping[str, float]) -> str:
         f"{speaker_chance:.0%}); its reconstruction error is {measured['self']:.3f}."
     )
     if SELF_ERROR not in measured:
-        return (
-            f"{summary} Cross-reconstruction is not measured: no two speakers speak two held-out "
-            "texts in one emotion. A split list (--split) can hold out such texts."
-        )
+        return summary
     parts = {name: part for name, (part, _) in losses.CROSSED.items() if name in measured}
     errors = [f"{measured[name]:.3f} with another's {part}" for name, part in parts.items()]
     return (

@@ -15,15 +15,7 @@ from typing import Final
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from generators.rule_based.vocabulary import (
-    CURLS,
-    DEVIATION,
-    ELBOW_OUT,
-    FLEXION,
-    PLACE,
-    PRONATION,
-    SPREAD,
-)
+from generators.rule_based.vocabulary import Channel
 from motion.arrays import Floats
 from motion.skeleton import JOINT_COUNT, REST_JOINTS, forward_kinematics, joint_index
 
@@ -31,42 +23,31 @@ _STRAIGHTEST: Final = 0.999
 _NEAREST: Final = 0.35
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Limb:
-    """A limb in the rest pose.
-
-    Attributes
-    ----------
-    upper, lower : ndarray, shape (3,)
-        Vectors from shoulder to elbow and from elbow to wrist, in metres.
-    folds_toward : ndarray, shape (3,)
-        Direction of the wrist when only the elbow bends: forward for arms, backward for legs.
-    comfort : float
-        Share of the limb's length up to which it reaches exactly. Beyond it, the end lags behind
-        smoothly, because a limb that snaps straight looks wrong.
-    """
-
-    upper: Floats
-    lower: Floats
-    folds_toward: Floats
-    comfort: float
-
-    @property
-    def length(self) -> float:
-        """Length of both bones together in metres."""
-        return float(np.linalg.norm(self.upper) + np.linalg.norm(self.lower))
-
-
-def solve(limb: Limb, root: Floats, target: Floats, pole: Floats) -> tuple[Floats, Floats]:
+def solve(
+    bones: tuple[Floats, Floats],
+    root: Floats,
+    target: Floats,
+    pole: Floats,
+    *,
+    folds_toward: tuple[float, float, float],
+    comfort: float,
+) -> tuple[Floats, Floats]:
     """Return the rotations of two bones that put the limb's end at `target`.
 
     Parameters
     ----------
-    limb : Limb
+    bones : pair of ndarray, shape (3,)
+        The upper and the lower bone in the rest pose, such as shoulder to elbow, elbow to wrist, in
+        metres.
     root, target : ndarray, shape (T, 3)
         Positions of the limb's start and of the goal of its end, in metres.
     pole : ndarray, shape (T, 3)
         Direction in which the middle joint points; not along the limb.
+    folds_toward : triple of float
+        Direction of the wrist when only the elbow bends: forward for arms, backward for legs.
+    comfort : float
+        Share of the limb's length up to which it reaches exactly. Beyond it, the end lags behind
+        smoothly, because a limb that snaps straight looks wrong.
 
     Returns
     -------
@@ -74,21 +55,23 @@ def solve(limb: Limb, root: Floats, target: Floats, pole: Floats) -> tuple[Float
         World rotation matrices of the bones. The lower one is bent about the hinge only; its twist
         is left to the caller.
     """
-    a, b = float(np.linalg.norm(limb.upper)), float(np.linalg.norm(limb.lower))
+    a, b = (float(np.linalg.norm(bone)) for bone in bones)
     line = target - root
     distance = np.linalg.norm(line, axis=-1, keepdims=True)
     direction = line / np.maximum(distance, 1e-9)
-    span = _reachable_share(distance[..., 0] / (a + b), limb.comfort) * (a + b)
+    span = _reachable_share(distance[..., 0] / (a + b), comfort) * (a + b)
     cosine = np.clip((a**2 + span**2 - b**2) / (2 * a * span), -1, 1)[..., None]
     side = pole - (pole * direction).sum(axis=-1, keepdims=True) * direction
     side /= np.linalg.norm(side, axis=-1, keepdims=True)
     upper = cosine * direction + np.sqrt(1 - cosine**2) * side
     lower = (span[..., None] * direction - a * upper) / b
     hinge = np.cross(side, direction)
-    rest_hinge = np.cross(limb.upper, limb.folds_toward)
-    return _bone_turn(limb.upper, rest_hinge, upper, hinge), _bone_turn(
-        limb.lower, rest_hinge, lower, hinge
+    rest_hinge = np.cross(bones[0], folds_toward)
+    rotations = (
+        _frame(direction, hinge) @ np.swapaxes(_frame(bone, rest_hinge), -1, -2)
+        for bone, direction in zip(bones, (upper, lower), strict=True)
     )
+    return next(rotations), next(rotations)
 
 
 def _reachable_share(share: Floats, comfort: float) -> Floats:
@@ -97,11 +80,6 @@ def _reachable_share(share: Floats, comfort: float) -> Floats:
     excess = np.maximum(share - comfort, 0)
     eased = np.minimum(share, comfort) + margin * np.tanh(excess / margin)
     return np.asarray(np.maximum(eased, _NEAREST))
-
-
-def _bone_turn(bone: Floats, rest_hinge: Floats, direction: Floats, hinge: Floats) -> Floats:
-    """Return the rotation that takes `bone` to `direction` and its hinge to `hinge`."""
-    return _frame(direction, hinge) @ np.swapaxes(_frame(bone, rest_hinge), -1, -2)
 
 
 def _frame(direction: Floats, hinge: Floats) -> Floats:
@@ -188,7 +166,7 @@ def pose_body(trunk: Trunk, hands: Mapping[str, Floats]) -> tuple[Floats, Floats
 
 def _collar(trunk: Trunk, hand: Floats, sign: float) -> Floats:
     """Return the collar bone's turn, which rises and advances with its arm."""
-    place = hand[:, PLACE] / np.linalg.norm(hand[:, PLACE], axis=1, keepdims=True)
+    place = hand[:, Channel.PLACE] / np.linalg.norm(hand[:, Channel.PLACE], axis=1, keepdims=True)
     lift = trunk.shoulders_up + _LIFT_WITH_ARM * place[:, 1] + _LIFT_LEVEL
     advance = trunk.shoulders_forward + _ADVANCE_WITH_ARM * np.maximum(place[:, 2], 0) ** 2
     return _rotvec(np.column_stack([np.zeros(len(lift)), -sign * advance, sign * lift]))
@@ -199,15 +177,11 @@ def _pose_arm(
 ) -> None:
     """Write shoulder, elbow, wrist and fingers of one arm into `poses`."""
     shoulder, elbow, wrist = (joint_index(f"{side}_{j}") for j in ("shoulder", "elbow", "wrist"))
-    arm = Limb(
-        upper=REST_JOINTS[elbow] - REST_JOINTS[shoulder],
-        lower=REST_JOINTS[wrist] - REST_JOINTS[elbow],
-        folds_toward=np.array([0.0, 0.0, 1.0]),
-        comfort=0.93,
-    )
+    bones = REST_JOINTS[elbow] - REST_JOINTS[shoulder], REST_JOINTS[wrist] - REST_JOINTS[elbow]
+    length = sum(float(np.linalg.norm(bone)) for bone in bones)
     chest = turns[:, joint_index("spine3")]
-    place = hand[:, PLACE] * (sign, 1.0, 1.0) * arm.length
-    swivel = np.radians(hand[:, ELBOW_OUT])
+    place = hand[:, Channel.PLACE] * (sign, 1.0, 1.0) * length
+    swivel = np.radians(hand[:, Channel.ELBOW_OUT])
     outward, down, back = _ELBOW_HANGS
     pole = np.column_stack(
         [
@@ -221,13 +195,16 @@ def _pose_arm(
     spine3 = joint_index("spine3")
     socket = REST_JOINTS[shoulder] - REST_JOINTS[spine3]
     target = joints[:, spine3] + np.einsum("tij,tj->ti", chest, socket + place)
-    upper, lower = solve(arm, joints[:, shoulder], target, np.einsum("tij,tj->ti", chest, pole))
+    pole = np.einsum("tij,tj->ti", chest, pole)
+    upper, lower = solve(
+        bones, joints[:, shoulder], target, pole, folds_toward=(0.0, 0.0, 1.0), comfort=0.93
+    )
     collar = turns[:, joint_index(f"{side}_collar")]
     bend = np.swapaxes(upper, 1, 2) @ lower
     forearm = np.array([1.0, 0.0, 0.0])
-    twist = np.radians(hand[:, PRONATION, None]) * forearm
-    flex = np.radians(hand[:, FLEXION, None]) * (0.0, 0.0, -sign)
-    deviate = np.radians(hand[:, DEVIATION, None]) * (0.0, -sign, 0.0)
+    twist = np.radians(hand[:, Channel.PRONATION, None]) * forearm
+    flex = np.radians(hand[:, Channel.FLEXION, None]) * (0.0, 0.0, -sign)
+    deviate = np.radians(hand[:, Channel.DEVIATION, None]) * (0.0, -sign, 0.0)
     poses[:, shoulder] = _matrix_rotvec(np.swapaxes(collar, 1, 2) @ upper)
     in_forearm = Rotation.from_rotvec(twist * _TWIST_IN_FOREARM)
     poses[:, elbow] = (Rotation.from_matrix(bend) * in_forearm).as_rotvec()
@@ -240,17 +217,14 @@ def _pose_arm(
 def _pose_leg(poses: Floats, joints: Floats, turns: Floats, side: str, sign: float) -> None:
     """Write hip, knee and ankle of one leg into `poses`, with the foot fixed."""
     hip, knee, ankle = (joint_index(f"{side}_{joint}") for joint in ("hip", "knee", "ankle"))
-    leg = Limb(
-        upper=REST_JOINTS[knee] - REST_JOINTS[hip],
-        lower=REST_JOINTS[ankle] - REST_JOINTS[knee],
-        folds_toward=np.array([0.0, 0.0, -1.0]),
-        comfort=0.99,
-    )
+    bones = REST_JOINTS[knee] - REST_JOINTS[hip], REST_JOINTS[ankle] - REST_JOINTS[knee]
     frames = len(poses)
     outward, up, forward = _KNEES_POINT
     pole = np.tile([sign * outward, up, forward], (frames, 1))
     foot = np.tile(REST_JOINTS[ankle], (frames, 1))
-    upper, lower = solve(leg, joints[:, hip], foot, pole)
+    upper, lower = solve(
+        bones, joints[:, hip], foot, pole, folds_toward=(0.0, 0.0, -1.0), comfort=0.99
+    )
     pelvis = turns[:, joint_index("pelvis")]
     poses[:, hip] = _matrix_rotvec(np.swapaxes(pelvis, 1, 2) @ upper)
     poses[:, knee] = _matrix_rotvec(np.swapaxes(upper, 1, 2) @ lower)
@@ -260,14 +234,14 @@ def _pose_leg(poses: Floats, joints: Floats, turns: Floats, side: str, sign: flo
 def _finger_rotations(hand: Floats, sign: float) -> Floats:
     """Return the rotations of a hand's 15 joints, shape (T, 15, 3), in the skeleton's order."""
     rotations = np.zeros((len(hand), 15, 3))
-    curls = hand[:, CURLS]
+    curls = hand[:, Channel.CURLS]
     for number, finger in enumerate(_FINGERS):
         curl = curls[:, _CURL_ORDER.index(finger)]
         joints = rotations[:, 3 * number : 3 * number + 3]
         joints[:, :, 2] = -sign * curl[:, None] * _FIST
-        joints[:, 0, 1] = -sign * hand[:, SPREAD] * _SPREAD_ANGLE[number] * (1 - curl)
+        joints[:, 0, 1] = -sign * hand[:, Channel.SPREAD] * _SPREAD_ANGLE[number] * (1 - curl)
     thumb = curls[:, 0, None, None] * _THUMB_CURL
-    thumb[:, 0, 1] -= _THUMB_ABDUCTION * hand[:, SPREAD]
+    thumb[:, 0, 1] -= _THUMB_ABDUCTION * hand[:, Channel.SPREAD]
     rotations[:, 12:15] = thumb * (1.0, sign, sign)
     return rotations
 

@@ -13,20 +13,7 @@ import numpy as np
 
 from generators.rule_based.gesture_plan import HANDS, Gesture, endings, plan_gestures
 from generators.rule_based.time_courses import Movement, follow, on_accents, smooth_noise
-from generators.rule_based.vocabulary import (
-    CHANNELS,
-    CURLS,
-    DEVIATION,
-    ELBOW_OUT,
-    FLEXION,
-    PLACE,
-    POSES,
-    PRONATION,
-    SPREAD,
-    EmotionStyle,
-    GestureManner,
-    HandPose,
-)
+from generators.rule_based.vocabulary import POSES, Channel, EmotionStyle, GestureManner, HandPose
 from motion.arrays import Floats
 from motion.prosody import Prosody
 
@@ -42,13 +29,17 @@ _REBOUND_SECONDS: Final = 0.35
 _SHORTEST_REBOUND: Final = 0.2
 _DETOUR: Final = (0.0, 0.0, 0.5)
 
-_ALONE: Final = CHANNELS
-_RESTING: Final = CHANNELS + 1
-_IS_ON_TOP: Final = CHANNELS + 2
+_ALONE: Final = Channel.COUNT
+_RESTING: Final = Channel.COUNT + 1
+_IS_ON_TOP: Final = Channel.COUNT + 2
 """Further channels of a course, from 0 to 1: whether the hand moves independently of the other,
 whether it rests, and whether it lies on top of the other."""
 
-_JOINT_LIMITS: Final = ((PRONATION, 80.0), (FLEXION, 70.0), (DEVIATION, 20.0))
+_JOINT_LIMITS: Final = (
+    (Channel.PRONATION, 80.0),
+    (Channel.FLEXION, 70.0),
+    (Channel.DEVIATION, 20.0),
+)
 """Limits of forearm and wrist in either direction, in degrees."""
 
 
@@ -93,7 +84,7 @@ def _course(
 ) -> Floats:
     """Return the planned course of `hand`, shape (T, 16)."""
     habit = _variety(rng) * 0.5
-    habit[ELBOW_OUT] += manner.elbows_out
+    habit[Channel.ELBOW_OUT] += manner.elbows_out
     poses = [(rest.begin, _rest_pose(rest, hand, habit + _variety(rng) * 0.1)) for rest in rests]
     own = [gesture for gesture in gestures if hand in gesture.hands]
     start = poses[0][1]
@@ -107,7 +98,7 @@ def _course(
             size *= _SECOND_HAND
         apex, upbeat = _key_poses(gesture, manner, size, rng)
         bow = np.zeros(len(start))
-        bow[PLACE] = (0.05 * size, 0.0, 0.03 * size)
+        bow[Channel.PLACE] = (0.05 * size, 0.0, 0.03 * size)
         movements += [
             Movement(
                 start=gesture.begin,
@@ -130,11 +121,11 @@ def _course(
     course = follow(start, movements, times)
     # Fingers and the wrist's bend trail the arm slightly, as in relaxed hands.
     trailing = follow(start, movements, times - _FOLLOW_THROUGH)
-    for channels in (CURLS, SPREAD, FLEXION):
+    for channels in (Channel.CURLS, Channel.SPREAD, Channel.FLEXION):
         course[:, channels] = trailing[:, channels]
     # A hand goes around the other before it lies on top of it.
     on_top = course[:, _IS_ON_TOP, None]
-    course[:, PLACE] += on_top * (1 - on_top) * _DETOUR
+    course[:, Channel.PLACE] += on_top * (1 - on_top) * _DETOUR
     return course
 
 
@@ -163,33 +154,37 @@ def _key_poses(
 ) -> tuple[Floats, Floats]:
     """Return the hand at the end and at the start of the gesture's stroke."""
     apex = gesture.form.apex.channels()
-    apex[PLACE] = _GESTURE_CENTRE + (apex[PLACE] - _GESTURE_CENTRE) * (0.4 + 0.6 * size)
-    apex[ELBOW_OUT] += manner.elbows_out
-    apex[CURLS.start :] = gesture.form.fingers(rng)
+    apex[Channel.PLACE] = _GESTURE_CENTRE + (apex[Channel.PLACE] - _GESTURE_CENTRE) * (
+        0.4 + 0.6 * size
+    )
+    apex[Channel.ELBOW_OUT] += manner.elbows_out
+    apex[Channel.CURLS.start :] = gesture.form.fingers(rng)
     apex += _variety(rng)
     if len(gesture.hands) == 2:
-        apex[PLACE] += _BOTH_APART
+        apex[Channel.PLACE] += _BOTH_APART
     upbeat = apex.copy()
-    upbeat[PLACE] -= size * np.array(gesture.form.stroke)
-    upbeat[[PRONATION, FLEXION]] += np.array(gesture.form.wind_up) * min(size, 1.2)
-    upbeat[CURLS.start :] = astuple(gesture.form.wind_up_shape)
+    upbeat[Channel.PLACE] -= size * np.array(gesture.form.stroke)
+    upbeat[[Channel.PRONATION, Channel.FLEXION]] += np.array(gesture.form.wind_up) * min(size, 1.2)
+    upbeat[Channel.CURLS.start :] = astuple(gesture.form.wind_up_shape)
     return np.array([*apex, 1.0, 0.0, 0.0]), np.array([*upbeat, 1.0, 0.0, 0.0])
 
 
 def _variety(rng: np.random.Generator) -> Floats:
     """Return small random differences, shape (13,), between gestures."""
-    variety = np.zeros(CHANNELS)
-    variety[PLACE] = rng.normal(0, _PLACE_VARIETY)
-    variety[[ELBOW_OUT, PRONATION, FLEXION]] = rng.normal(0, _TURN_VARIETY, 3) * (0.6, 1.0, 0.5)
-    variety[CURLS] = rng.normal(0, 0.06) + rng.normal(0, 0.05, 5)
+    variety = np.zeros(Channel.COUNT)
+    variety[Channel.PLACE] = rng.normal(0, _PLACE_VARIETY)
+    variety[[Channel.ELBOW_OUT, Channel.PRONATION, Channel.FLEXION]] = rng.normal(
+        0, _TURN_VARIETY, 3
+    ) * (0.6, 1.0, 0.5)
+    variety[Channel.CURLS] = rng.normal(0, 0.06) + rng.normal(0, 0.05, 5)
     return variety
 
 
 def _within_joint_limits(course: Floats) -> Floats:
     for channel, limit in _JOINT_LIMITS:
         course[:, channel] = np.clip(course[:, channel], -limit, limit)
-    course[:, CURLS] = np.clip(course[:, CURLS], 0, 1)
-    course[:, SPREAD] = np.clip(course[:, SPREAD], -0.6, 1)
+    course[:, Channel.CURLS] = np.clip(course[:, Channel.CURLS], 0, 1)
+    course[:, Channel.SPREAD] = np.clip(course[:, Channel.SPREAD], -0.6, 1)
     return course
 
 
@@ -287,9 +282,9 @@ def _drifts(
 ) -> tuple[dict[str, Floats], dict[str, Floats]]:
     """Return the drift of each hand on its own, and of both together, shape (T, 13) each."""
     slow, quick = 0.1 * restlessness, 1.0 * restlessness
-    own = {hand: _DRIFT * smooth_noise(times, CHANNELS, slow, quick, rng) for hand in HANDS}
-    left = np.zeros((len(times), CHANNELS))
-    left[:, PLACE] = _DRIFT_TOGETHER * smooth_noise(times, 3, slow, quick, rng)
+    own = {hand: _DRIFT * smooth_noise(times, Channel.COUNT, slow, quick, rng) for hand in HANDS}
+    left = np.zeros((len(times), Channel.COUNT))
+    left[:, Channel.PLACE] = _DRIFT_TOGETHER * smooth_noise(times, 3, slow, quick, rng)
     right = left.copy()
     right[:, 0] *= -1
     return own, dict(zip(HANDS, (left, right), strict=True))
@@ -297,8 +292,8 @@ def _drifts(
 
 def _with_idling(course: Floats, own: Floats, together: Floats, beats: Floats) -> Floats:
     """Return the course, shape (T, 13), with drift, and small beats on accents at rest."""
-    free = np.repeat(course[:, _ALONE, None], CHANNELS, axis=1)
-    free[:, CURLS] = np.maximum(free[:, CURLS], _CURLS_CLASPED)
+    free = np.repeat(course[:, _ALONE, None], Channel.COUNT, axis=1)
+    free[:, Channel.CURLS] = np.maximum(free[:, Channel.CURLS], _CURLS_CLASPED)
     beat = course[:, _RESTING, None] * (beats[:, None] * _BEAT)
-    beat[:, PLACE.stop :] *= free[:, PLACE.stop :]
-    return np.asarray(course[:, :CHANNELS] + beat + free * own + (1 - free) * together)
+    beat[:, Channel.PLACE.stop :] *= free[:, Channel.PLACE.stop :]
+    return np.asarray(course[:, : Channel.COUNT] + beat + free * own + (1 - free) * together)

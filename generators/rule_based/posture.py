@@ -10,7 +10,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from generators.rule_based.body_pose import Trunk
 from generators.rule_based.time_courses import on_accents, pulse, smooth_noise
-from generators.rule_based.vocabulary import PLACE, EmotionStyle
+from generators.rule_based.vocabulary import Channel, EmotionStyle
 from motion.arrays import Floats
 from motion.prosody import Prosody
 
@@ -102,7 +102,7 @@ def _nods(prosody: Prosody, times: Floats) -> Floats:
 
 def _trunk_following(hands: Mapping[str, Floats], frame_rate: float) -> Floats:
     """Return the spine's turn, shape (T, 3), that follows the hands as they reach and rise."""
-    places = {side: hand[:, PLACE] for side, hand in hands.items()}
+    places = {side: hand[:, Channel.PLACE] for side, hand in hands.items()}
     reach = {side: place[:, 2] + 0.6 * place[:, 0] for side, place in places.items()}
     turn = -_TURN_WITH_REACH * (reach["left"] - reach["right"])
     tilt = _TILT_WITH_LIFT * (places["left"][:, 1] - places["right"][:, 1])

@@ -78,7 +78,7 @@ class HandPose:
     shape: NamedShape
 
     def channels(self) -> Floats:
-        """Return the pose as a vector, shape (13,), whose parts are the slices below."""
+        """Return the pose as a vector, shape (13,), whose parts are those of `Channel`."""
         *arm, shape = astuple(self)
         return np.array([*arm, *shape], float)
 
@@ -88,14 +88,18 @@ POSES: Final = TypeAdapter(dict[str, HandPose]).validate_python(_HANDS["poses"])
 NamedPose = Annotated[HandPose, BeforeValidator(lambda name: POSES[name])]
 """A pose, given by its name in a table."""
 
-PLACE: Final = slice(0, 3)
-ELBOW_OUT: Final = 3
-PRONATION: Final = 4
-FLEXION: Final = 5
-DEVIATION: Final = 6
-CURLS: Final = slice(7, 12)
-SPREAD: Final = 12
-CHANNELS: Final = 13
+
+class Channel:
+    """The parts of a `HandPose` as a vector."""
+
+    PLACE: Final = slice(0, 3)
+    ELBOW_OUT: Final = 3
+    PRONATION: Final = 4
+    FLEXION: Final = 5
+    DEVIATION: Final = 6
+    CURLS: Final = slice(7, 12)
+    SPREAD: Final = 12
+    COUNT: Final = 13
 
 
 @dataclass(frozen=True, kw_only=True)

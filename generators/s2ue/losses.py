@@ -13,7 +13,8 @@ from training.spaces.bones_and_landmarks import joint_tensors, split_motion
 
 def phoneme_loss(output: Tensor, target: Tensor, spread: Tensor) -> Tensor:
     """Return equation 16 of lips (B, T, lips, 3): errors of positions and of their changes."""
-    return _distance(output, target, spread) + _distance(_steps(output), _steps(target), spread)
+    error = (output - target) / spread
+    return error.abs().mean() + error.diff(dim=1).abs().mean()
 
 
 def reconstruction_losses(
@@ -28,16 +29,15 @@ def reconstruction_losses(
     spread = dict(zip(("face", "pose", "joints"), network.spread, strict=True))
     parts = dict.fromkeys(("place", "velocity", "acceleration"), output.new_zeros(()))
     for name in (modality for modalities in network.config.modalities for modality in modalities):
-        motion = _distance(outputs[name], targets[name], spread[name])
-        steps = _distance(_steps(outputs[name]), _steps(targets[name]), spread[name])
-        joints = (
-            (joint_tensors(outputs[name]), joint_tensors(targets[name])) if name == "pose" else None
-        )
-        parts["place"] = parts["place"] + (
-            _distance(*joints, spread["joints"]) if joints else motion
-        )
+        error = (outputs[name] - targets[name]) / spread[name]
+        motion = error.abs().mean()
+        place = motion
+        if name == "pose":
+            joints = joint_tensors(outputs[name]) - joint_tensors(targets[name])
+            place = joints.abs().mean() / spread["joints"]
+        parts["place"] = parts["place"] + place
         parts["velocity"] = parts["velocity"] + motion
-        parts["acceleration"] = parts["acceleration"] + steps
+        parts["acceleration"] = parts["acceleration"] + error.diff(dim=1).abs().mean()
     counted = {"place": 1.0, "velocity": weights.velocity, "acceleration": weights.acceleration}
     total = torch.stack([weight * parts[name] for name, weight in counted.items()]).sum()
     return {"reconstruction": total, **parts}
@@ -56,15 +56,6 @@ def diversity_loss(
         for motion in (own_motion, other_motion)
     ]
     return functional.relu(distances[0] - distances[1] + margin).mean()
-
-
-def _distance(output: Tensor, target: Tensor, spread: Tensor) -> Tensor:
-    return (output - target).abs().mean() / spread
-
-
-def _steps(values: Tensor) -> Tensor:
-    """Return the differences of adjacent frames."""
-    return values[:, 1:] - values[:, :-1]
 
 
 def generator_loss(synthesised: Tensor) -> Tensor:

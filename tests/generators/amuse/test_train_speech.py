@@ -77,7 +77,7 @@ def test_the_encoders_start_from_the_weights_of_a_folder(learn: Learn, tmp_path:
     network.save_pretrained(tmp_path / "ast")
     out = tmp_path / "out.safetensors"
     # A tiny learning rate leaves them almost unchanged.
-    outcome = learn(1, out, encoder_weights=str(tmp_path / "ast"), changes={"learning_rate": 1e-12})
+    learn(1, out, encoder_weights=str(tmp_path / "ast"), changes={"learning_rate": 1e-12})
     learned = load_speech(out)
     assert isinstance(learned.model, SpeechModel)
     for encoder in (learned.model.content, learned.model.emotion, learned.model.style):
@@ -85,7 +85,6 @@ def test_the_encoders_start_from_the_weights_of_a_folder(learn: Learn, tmp_path:
             torch.testing.assert_close(encoder.transformer.state_dict()[name], value)
     assert str(learned.training["encoder_weights"]).startswith("ast (sha256 ")
     assert learned.training["held_out"].keys().isdisjoint({"xcon", "xemo", "xsty"})
-    assert "no two speakers speak two held-out texts in one emotion" in outcome.sentences[2]
     with pytest.raises(InputError, match="no encoders to initialise"):
         learn(1, out, ablation="mfcc", encoder_weights=str(tmp_path / "ast"))
 
