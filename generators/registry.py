@@ -229,29 +229,16 @@ def load_generator(name: str, settings: Settings | None = None, device: str = "c
     name : str
         One of `generator_names`.
     settings : Settings, optional
-        Its settings, with paths relative to the current folder.
+        Its settings, an instance of `settings_type`, with paths relative to the current folder.
     device : {'cpu', 'cuda'}
         Device of a network.
 
     Raises
     ------
     InputError
-        If there is no generator of that name, or the settings are missing or another generator's.
+        If there is no generator of that name.
     """
-    kind = settings_type(name)
-    if settings is None and needs_model(name):
-        raise InputError(
-            f"the generator {name} is a network and was given no weights",
-            remedy="Name their file as its 'checkpoint' in study.toml",
-        )
-    settings = kind() if settings is None else settings
-    if type(settings) is not kind:
-        network = "another network" if needs_model(name) else "no network"
-        raise InputError(
-            f"the generator {name} is {network} and takes no {type(settings).__name__}",
-            remedy="Leave them out, or name another generator",
-        )
-    make = _import_object(_entry(name).home)
+    kind, make = settings_type(name), _import_object(_entry(name).home)
     return cast("Generator", make() if kind is Settings else make(settings, device))
 
 

@@ -61,8 +61,10 @@ class _ComputedError(Exception):
     """All losses were computed."""
 
 
-def require_one_device(monkeypatch: pytest.MonkeyPatch, learn: Callable[[], object]) -> None:
-    """Require that what `learn` begins to train brings no tensor of another device to its own.
+def test_training_stays_on_its_device(
+    learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """What begins to train brings no tensor of another device to its own; for modules' `learn`.
 
     torch's device ``meta`` holds shapes without values. Beside tensors of the processor it refuses
     to compute, as a GPU does.
@@ -78,4 +80,4 @@ def require_one_device(monkeypatch: pytest.MonkeyPatch, learn: Callable[[], obje
 
     monkeypatch.setattr("generators.learned.train", compute)
     with pytest.raises(_ComputedError):
-        learn()
+        learn(8, tmp_path / "out.safetensors")

@@ -71,12 +71,6 @@ def test_landmarks_are_stored_in_the_file_and_follow_the_face(face_file: Path) -
     np.testing.assert_allclose(face.embed(clip), face.embed(turned), atol=1e-6)
 
 
-def test_only_an_emotion_network_classifies(gesture: Evaluator) -> None:
-    assert gesture.labels == ()
-    with pytest.raises(InputError, match="classifies no emotions"):
-        gesture.classify(swinging("anger", 90))
-
-
 def test_every_setting_that_a_score_depends_on_is_listed(
     emotion: Evaluator, emotion_file: Path
 ) -> None:

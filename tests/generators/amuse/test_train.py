@@ -19,10 +19,12 @@ from generators.amuse.train import MotionTask, speech_latents, train_amuse
 from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from tests.generators.amuse.small_networks import MOTION, written_networks
-from tests.generators.small_training import Learn, require_one_device, training_on
+from tests.generators.small_training import Learn, test_training_stays_on_its_device, training_on
 from tests.training.takes import take_named, takes_of_curves
 from training.data.feature_cache import PreparedTakes
 from training.data.windows import Windows
+
+__all__ = ["test_training_stays_on_its_device"]
 
 FRAMES = 12
 
@@ -100,12 +102,6 @@ def test_an_ablation_trains_in_stages_and_is_measured_by_all_losses(
     alone = ablation == "without_prior"
     assert result.model.prior.latent_shape == ((FRAMES, 333) if alone else (2, 16))
     assert ("reconstructed" in outcome.sentences[1]) != alone
-
-
-def test_training_runs_on_the_chosen_device(
-    learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    require_one_device(monkeypatch, lambda: learn(8, tmp_path / "out.safetensors"))
 
 
 def test_emotion_and_style_are_given_by_name_at_the_chosen_rate(

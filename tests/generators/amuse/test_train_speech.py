@@ -16,8 +16,10 @@ from generators.amuse.train_speech import train_amuse_speech
 from motion.errors import InputError
 from tests.generators.amuse.small_networks import SMALL_SPEECH as SMALL
 from tests.generators.amuse.toy_speech import toy_speech
-from tests.generators.small_training import Learn, require_one_device, training_on
+from tests.generators.small_training import Learn, test_training_stays_on_its_device, training_on
 from training.corpus.plan import CorpusRequest, claim_folder
+
+__all__ = ["test_training_stays_on_its_device"]
 
 TOY_SPEECH: Final = toy_speech()
 TWO_TEXTS_HELD_OUT: Final = toy_speech(held_out=2)
@@ -89,14 +91,6 @@ def test_the_encoders_start_from_the_weights_of_a_folder(learn: Learn, tmp_path:
         learn(1, out, ablation="mfcc", encoder_weights=str(tmp_path / "ast"))
 
 
-@pytest.mark.parametrize("ablation", [None, "mfcc"])
-def test_training_runs_on_the_chosen_device(
-    learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, ablation: str | None
-) -> None:
-    out = tmp_path / "out.safetensors"
-    require_one_device(monkeypatch, lambda: learn(1, out, ablation=ablation))
-
-
 def test_an_autoencoder_can_replace_the_speech_model(learn: Learn, tmp_path: Path) -> None:
     out, missed = tmp_path / "out.safetensors", []
     for steps in (1, 20):
@@ -117,15 +111,9 @@ def test_recordings_without_a_known_speaker_for_validation_are_refused(
         learn(1, tmp_path / "out.safetensors", replace(TOY_SPEECH, takes=strangers))
 
 
-@pytest.mark.parametrize("shared", [True, False])
-def test_a_corpus_whose_speakers_share_no_texts_is_refused(
-    learn: Learn, tmp_path: Path, shared: bool
-) -> None:
-    claim_folder(tmp_path / "corpus", CorpusRequest(sentences=32, shared_passages=shared))
+def test_a_corpus_whose_speakers_share_no_texts_is_refused(learn: Learn, tmp_path: Path) -> None:
+    claim_folder(tmp_path / "corpus", CorpusRequest(sentences=32, shared_passages=False))
     takes = [replace(take, speech=tmp_path / "corpus" / take.speech) for take in TOY_SPEECH.takes]
     in_corpus = replace(TOY_SPEECH, takes=tuple(takes))
-    if shared:
-        learn(1, tmp_path / "out.safetensors", in_corpus)
-        return
     with pytest.raises(InputError, match=r"has their own texts.*--shared-passages"):
         learn(1, tmp_path / "out.safetensors", in_corpus)

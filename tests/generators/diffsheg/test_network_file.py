@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import pickle
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -120,20 +119,3 @@ def test_weights_are_read_from_both_kinds_of_file_and_under_the_key_encoder(
 ) -> None:
     save({key: torch.ones(2)}, tmp_path / name)
     assert read_weights(tmp_path / name)["out.weight"].tolist() == [1, 1]
-
-
-class _Trap:
-    def __reduce__(self) -> tuple[object, tuple[Path, str]]:
-        return Path.write_text, (Path("sprung"), "yes")
-
-
-def test_a_malicious_pickle_is_refused_without_running_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    trap = pickle.dumps({"encoder": _Trap()}, protocol=2)
-    for content in (trap, b"", b"no network", b"\x80\x02garbage"):
-        (tmp_path / "net.pt").write_bytes(content)
-        with pytest.raises(InputError, match="not a file of network weights: it is damaged, or"):
-            load_network(tmp_path / "net.pt", "beat", None)
-    assert not Path("sprung").exists()

@@ -18,12 +18,14 @@ from generators.diffsheg.train import METRIC, DiffShegTask, normalisation_of, tr
 from generators.registry import TrainingRequest
 from motion.errors import InputError
 from tests.generators.diffsheg.small_network import smaller
-from tests.generators.small_training import Learn, require_one_device, training_on
+from tests.generators.small_training import Learn, test_training_stays_on_its_device, training_on
 from tests.training.takes import takes_of_curves
 from training.data.feature_cache import PreparedTakes
 from training.data.take import Kind, TakeFolder
 from training.data.windows import Windows
 from training.speakers import Speakers
+
+__all__ = ["test_training_stays_on_its_device"]
 
 SMALL = replace(smaller(PRESETS["tiny"]["beat"].network), dropout=0.0)
 
@@ -102,12 +104,6 @@ def test_a_short_training_betters_the_network_that_it_began_with(
     assert "but not its words" in " ".join(outcome.warnings)
 
 
-def test_training_runs_on_the_chosen_device(
-    learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    require_one_device(monkeypatch, lambda: learn(1, tmp_path / "out.safetensors"))
-
-
 def test_the_file_records_its_training_and_another_ablation_cannot_resume_it(
     learn: Learn, tmp_path: Path
 ) -> None:
@@ -151,22 +147,6 @@ def test_validation_is_deterministic_and_selects_weights_without_velocity(
     assert result == measured[1]
     assert list(result) == [METRIC, "loss", "noise", "velocity", "reconstruction"]
     assert result[METRIC] == pytest.approx(2 * result["noise"] + 3 * result["reconstruction"])
-
-
-def test_the_network_receives_the_speaker(takes: PreparedTakes) -> None:
-    told: list[torch.Tensor] = []
-
-    class Listening(torch.nn.Module):
-        def forward(self, noisy: torch.Tensor, *conditions: torch.Tensor) -> torch.Tensor:
-            told.append(conditions[-1])
-            return noisy
-
-    task = task_of(takes)
-    rows = np.arange(len(task.training))
-    task.losses(Listening(), rows)  # type: ignore[arg-type]  # stands in for the denoiser
-    speakers = [("1", "2").index(task.training.take_of(int(row)).speaker) for row in rows]
-    assert told[0].argmax(dim=1).tolist() == speakers
-    assert torch.equal(told[0].sum(dim=1), torch.ones(len(rows)))
 
 
 @pytest.mark.parametrize(

@@ -14,11 +14,13 @@ from generators.s2ue.model import load_network
 from generators.s2ue.train import S2ueTask, train_s2ue
 from motion.errors import InputError
 from tests.generators.s2ue.small_network import FACE, SMALL, standing
-from tests.generators.small_training import Learn, require_one_device, training_on
+from tests.generators.small_training import Learn, test_training_stays_on_its_device, training_on
 from tests.training.takes import takes_of_curves
 from training.data.feature_cache import PreparedTakes
 from training.data.windows import Windows
 from training.speakers import Speakers
+
+__all__ = ["test_training_stays_on_its_device"]
 
 
 @pytest.fixture(scope="module", name="takes")
@@ -67,12 +69,6 @@ def test_training_improves_the_network_and_reports_its_data(learn: Learn, tmp_pa
     brief = load_network(tmp_path / "brief.safetensors", FACE)
     few, many = (one.training["held_out"]["reconstruction"] for one in (brief, loaded))
     assert many < 0.9 * few
-
-
-def test_training_runs_on_the_chosen_device(
-    learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    require_one_device(monkeypatch, lambda: learn(1, tmp_path / "out.safetensors"))
 
 
 @pytest.mark.parametrize("ablation", list(ABLATIONS))
