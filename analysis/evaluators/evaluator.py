@@ -6,7 +6,7 @@ One safetensors file holds everything that its scores depend on.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Final, Literal, Self
@@ -56,8 +56,8 @@ _SEEN: Final = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Design:
-    """The input and sizes of a feature network.
+class EvaluatorFacts:
+    """The metadata of a file: the network's input and sizes, data and training.
 
     Attributes
     ----------
@@ -71,6 +71,13 @@ class Design:
         The emotions it classifies; empty except for the kind ``emotion``.
     frozen : tuple of str
         Channels that are frozen in its input (`motion.clip`).
+    data : mapping
+        ``sha256`` of the clips, numbers of ``clips``, their ``recordings``, ``windows`` and
+        ``held_out_windows``, and what was ``held_out``, in words.
+    training : mapping
+        Its ``config``, ``best_step`` and the ``versions`` of packages.
+    held_out : mapping of str to float
+        Measurements on held-out windows.
     """
 
     channels: Channels
@@ -78,6 +85,10 @@ class Design:
     face: Face | None
     labels: tuple[str, ...]
     frozen: tuple[str, ...]
+    format: Literal[2] = 2
+    data: Mapping[str, Any] = field(default_factory=dict)
+    training: Mapping[str, Any] = field(default_factory=dict)
+    held_out: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def kind(self) -> Kind:
@@ -102,27 +113,6 @@ class Design:
         if isinstance(self.network, EmotionConfig):
             return f"emotion classifier (AMUSE's M), {self.network.width} features"
         return f"autoencoder of {_SEEN[self.channels]}, {self.network.features} features"
-
-
-@dataclass(frozen=True, kw_only=True)
-class EvaluatorFacts(Design):
-    """The metadata of a file: the network's design, data and training.
-
-    Attributes
-    ----------
-    data : mapping
-        ``sha256`` of the clips, numbers of ``clips``, their ``recordings``, ``windows`` and
-        ``held_out_windows``, and what was ``held_out``, in words.
-    training : mapping
-        Its ``config``, ``best_step`` and the ``versions`` of packages.
-    held_out : mapping of str to float
-        Measurements on held-out windows.
-    """
-
-    format: Literal[2] = 2
-    data: Mapping[str, Any]
-    training: Mapping[str, Any]
-    held_out: Mapping[str, float]
 
 
 _FACTS: Final = TypeAdapter(EvaluatorFacts)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -22,7 +22,6 @@ from analysis.evaluators.clip_views import (
     long_enough,
 )
 from analysis.evaluators.evaluator import (
-    Design,
     Evaluator,
     EvaluatorFacts,
     Kind,
@@ -145,7 +144,7 @@ class FeatureTask(WindowTask):
 
     Attributes
     ----------
-    design : Design
+    design : EvaluatorFacts
         The network.
     width : int
         Number of channels of a frame.
@@ -153,7 +152,7 @@ class FeatureTask(WindowTask):
         Windows of the feature ``frames``.
     """
 
-    design: Design
+    design: EvaluatorFacts
     width: int
 
     def network(self) -> Network:
@@ -229,7 +228,7 @@ def train_evaluator(
     emotions = {source.emotion for source, _ in clips if request.channels == "body"}
     # The emotions known everywhere come in their own order, the others by name.
     in_order = dict.fromkeys((*EMOTIONS, *sorted(emotions)))
-    design = Design(
+    design = EvaluatorFacts(
         channels=request.channels,
         network=config,
         face=face,
@@ -303,7 +302,7 @@ def train_evaluator(
             take.emotion for take in task.held_out.takes(np.arange(len(task.held_out)))
         )
         measured["largest_share"] = max(labels.values()) / labels.total()
-    facts = EvaluatorFacts(**vars(design), data=data, training=run, held_out=measured)
+    facts = replace(design, data=data, training=run, held_out=measured)
     if is_leader():
         evaluator = Evaluator(
             facts=facts,

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.evaluators.clip_views import Channels
-from analysis.evaluators.evaluator import Design, Evaluator, EvaluatorFacts, Normalisation
+from analysis.evaluators.evaluator import Evaluator, EvaluatorFacts, Normalisation
 from analysis.evaluators.training import PRESETS
 from analysis.measurement import measured_clips
 from analysis.metrics.kinematics import joint_motion
@@ -44,18 +44,17 @@ def moving(count: int = 120) -> MotionClip:
 
 def network(kind: str, channels: Channels) -> Evaluator:
     """Return a network of seeded weights, which no training changes."""
-    design = Design(
+    facts = EvaluatorFacts(
         channels=channels,
         network=PRESETS[kind]["tiny"].network,
         face="arkit" if channels == "both" else None,
         labels=EMOTIONS if kind == "emotion" else (),
         frozen=(),
     )
-    width = design.view().channels
-    made = design.fresh_network(width)
+    width = facts.view().channels
+    made = facts.fresh_network(width)
     shapes = {name: list(weight.shape) for name, weight in made.state_dict().items()}
     made.load_state_dict(reference_weights(shapes))
-    facts = EvaluatorFacts(**vars(design), data={}, training={}, held_out={})
     normalisation = Normalisation(
         mean=np.linspace(-0.1, 0.1, width, dtype=np.float32),
         deviation=np.linspace(0.5, 1.5, width, dtype=np.float32),

@@ -18,7 +18,7 @@ from generators.amuse.losses import (
     speech_losses,
 )
 from generators.amuse.model import Denoiser, MotionModel, MotionPrior
-from generators.amuse.speech import SpeechAutoencoder, SpeechEncoder, SpeechModel
+from generators.amuse.speech import SpeechEncoder, SpeechModel
 from generators.amuse.train import initialise_prior
 from tests.generators.amuse.small_networks import MOTION, SMALL_SPEECH
 from training.diffusion import SCALED_LINEAR
@@ -93,15 +93,6 @@ def test_the_emotions_classifier_may_be_the_latent_itself(
     logits.sum().backward()
     weight = encoder.feature_head[1].weight
     assert (weight.grad is not None) == (classified == "latent")
-
-
-def test_the_autoencoder_reads_the_discrete_cosine_transform() -> None:
-    model = SpeechAutoencoder(replace(SMALL_SPEECH, mfcc=3))
-    rows = torch.ones(1, 64, 32)
-    result = model.coefficients(rows).view(64, 3)
-    assert torch.allclose(result[:, 0], torch.full((64,), 32**0.5), rtol=1e-5)
-    assert float(result[:, 1:].abs().max()) < 1e-4
-    assert sum(isinstance(one, torch.nn.Linear) for one in model.modules()) == 8
 
 
 SMALL_MOTION = replace(MOTION, frames=12)

@@ -103,9 +103,6 @@ def test_the_network_stores_the_spread_of_the_recordings(takes: PreparedTakes) -
     np.testing.assert_allclose(network.mean.numpy(), motion.mean(axis=0), atol=1e-5)
     deviation = np.maximum(motion.std(axis=0), 1e-5)
     np.testing.assert_allclose(network.deviation.numpy(), deviation, rtol=1e-3)
-    np.testing.assert_allclose(
-        network.spread[0], np.sqrt(motion[:, 27:].var(axis=0).mean()), rtol=1e-3
-    )
     np.testing.assert_array_equal(network.rest.numpy(), takes.mean_first("motion"))
 
 
