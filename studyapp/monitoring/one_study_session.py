@@ -12,7 +12,7 @@ from sqlalchemy.orm import selectinload
 
 from studyapp.database.engine import Database
 from studyapp.database.tables.researchers import ExclusionDecision
-from studyapp.database.tables.study_session import FormAnswer, RefusalLine, StudySession
+from studyapp.database.tables.study_session import RefusalLine, StudySession
 from studyapp.database.tables.trial import Trial, TrialStimulus, Video, WatchRecord
 from studyapp.monitoring.study_sessions import SessionProgress, progress_of_sessions
 from studyapp.researchers.exclusion_decisions import exclusion_decisions
@@ -69,23 +69,14 @@ class OneStudySession:
 
     Attributes
     ----------
-    place : int or None
-        Its place in the arm, from 0.
-    version : int
-        The version of the study.
-    recruiter_names : tuple of (str, str)
-        What the recruiter names, and its name, for owners alone.
-    form_answers : sequence of FormAnswer
-        Answers about the participant.
+    row : StudySession
+        What is stored of it, with its version and its answers to the form.
     decisions : sequence of ExclusionDecision
         Researchers' decisions about the participant, newest first.
     """
 
     progress: SessionProgress
-    place: int | None
-    version: int
-    recruiter_names: tuple[tuple[str, str], ...]
-    form_answers: Sequence[FormAnswer]
+    row: StudySession
     trials: tuple[ShownTrial, ...]
     events: tuple[Event, ...]
     decisions: Sequence[ExclusionDecision]
@@ -99,13 +90,15 @@ def one_study_session(
         select(StudySession)
         .where(StudySession.id == number)
         .options(
+            selectinload(StudySession.version),
+            selectinload(StudySession.form_answers),
             selectinload(StudySession.trials).options(
                 selectinload(Trial.responses),
                 selectinload(Trial.stimuli),
                 selectinload(Trial.videos).options(
                     selectinload(Video.watch_record), selectinload(Video.stimuli)
                 ),
-            )
+            ),
         )
     )
     refused = select(RefusalLine).where(RefusalLine.study_session_id == number)
@@ -115,17 +108,9 @@ def one_study_session(
             return None
         (progress,) = progress_of_sessions(session, served, now, only=number)
         events = [*_own_events(study_session), *map(_refused, session.scalars(refused))]
-        names = {
-            "participant": study_session.recruiter_participant,
-            "study": study_session.recruiter_study,
-            "session": study_session.recruiter_session,
-        }
         return OneStudySession(
             progress=progress,
-            place=study_session.number,
-            version=study_session.version.number,
-            recruiter_names=tuple((kind, name) for kind, name in names.items() if name),
-            form_answers=study_session.form_answers,
+            row=study_session,
             trials=tuple(_shown_trial(served.study, trial) for trial in study_session.trials),
             events=tuple(sorted(events, key=lambda event: event.at)),
             decisions=exclusion_decisions(session, number),
