@@ -168,19 +168,16 @@ def as_text(frame: pd.DataFrame, table: TableColumns, *, missing: str = "") -> p
     return pd.DataFrame(words, index=frame.index, dtype=object)
 
 
-def csv_text(frame: pd.DataFrame, table: TableColumns) -> str:
-    """Return a typed table as CSV in which nothing that a spreadsheet runs as a formula is left."""
-    cells = harmless_frame(as_text(frame, table))
-    return cells.to_csv(index=False, lineterminator="\n")
-
-
 def write_table(path: Path, frame: pd.DataFrame, table: TableColumns) -> None:
     """Write a typed table in one step, as the ending of `path` says.
 
-    Parquet keeps text as it is, and each column's meaning and unit.
+    In CSV, nothing is left that a spreadsheet runs as a formula. Parquet keeps text as it is, and
+    each column's meaning and unit. Recruiters' ids are private to the owner of the file.
     """
     if path.suffix == ".csv":
-        write_text(path, csv_text(frame, table))
+        cells = harmless_frame(as_text(frame, table))
+        text = cells.to_csv(index=False, lineterminator="\n")
+        write_text(path, text, private=table is RECRUITER_IDS)
         return
     schema = pa.schema([_field(column) for column in table.columns])
     content = pa.Table.from_pandas(frame, schema=schema, preserve_index=False)
@@ -189,7 +186,5 @@ def write_table(path: Path, frame: pd.DataFrame, table: TableColumns) -> None:
 
 
 def _field(column: Column) -> Any:
-    about: Mapping[str, str] = {"meaning": column.meaning} | (
-        {"unit": column.unit} if column.unit else {}
-    )
-    return pa.field(column.name, _ARROW[column.type], metadata=dict(about))
+    about = {"meaning": column.meaning} | ({"unit": column.unit} if column.unit else {})
+    return pa.field(column.name, _ARROW[column.type], metadata=about)

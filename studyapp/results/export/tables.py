@@ -129,20 +129,17 @@ def export(
             if answers.stored is None
             else exported_tables(session, answers.stored, key, exclusions(study, answers))
         )
-        names = _recruiter_ids(session, key) if with_recruiter_ids else None
+        if with_recruiter_ids:
+            tables = (*tables, _recruiter_ids(session, key))
     look = record_look(folder, study, answers, way="export", reason=reason)
     written: list[Path] = []
-    described = []
     for table in tables:
         file = path.with_stem("_".join(filter(None, (path.stem, table.about.name))))
+        if table.about is columns.RECRUITER_IDS:
+            file = path.with_name(f"{table.about.name}.csv")
         columns.write_table(file, table.frame, table.about)
         written.append(file)
-        described.append((table.about, [file.name]))
-    if names is not None:
-        file = path.with_name(f"{columns.RECRUITER_IDS.name}.csv")
-        write_text(file, columns.csv_text(names.frame, names.about), private=True)
-        written.append(file)
-        described.append((columns.RECRUITER_IDS, [file.name]))
+    described = [(each.about, [file.name]) for each, file in zip(tables, written, strict=True)]
     book = codebook(folder, study, origin, described)
     page = path.with_name(f"{path.stem}_codebook.md")
     write_text(page, codebook_page(book))
