@@ -5,14 +5,10 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from studyapp.rehearsal.simulation import truth as true_values
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater, judge
 from studyapp.rehearsal.simulation.truth import expectations
@@ -115,19 +111,3 @@ def test_many_studies_approach_the_true_value_over_all_segments() -> None:
     error = np.std(counted) / math.sqrt(len(counted))
     assert known.about == "ours-theirs"
     assert abs(np.mean(counted) - known.value) < 3 * error
-
-
-@given(
-    gap=st.floats(-8, 8),
-    slope_sd=st.floats(0, 2),
-    bias=st.floats(-2, 2),
-    bias_sd=st.floats(0, 1),
-)
-def test_swapping_the_conditions_mirrors_the_share_whatever_the_side_bias(
-    gap: float, slope_sd: float, bias: float, bias_sd: float
-) -> None:
-    population = replace(PEOPLE, side_bias=bias, side_bias_sd=bias_sd)
-    share = true_values.win_share(population, gap, slope_sd)
-    assert 0 <= share <= 1
-    assert share + true_values.win_share(population, -gap, slope_sd) == pytest.approx(1)
-    assert (share - 0.5) * gap >= -1e-12
