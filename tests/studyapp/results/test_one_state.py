@@ -7,13 +7,11 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 import pytest
 from sqlalchemy import Engine, event
 
 from studyapp.database.engine import Database
 from studyapp.database.tables.study_session import StudySession
-from studyapp.results.answers import answers_to_report
 from studyapp.results.export.sharing import share
 from studyapp.results.export.tables import export
 from studyapp.results.looks import figures_so_far
@@ -24,13 +22,6 @@ from studyapp.study.folder import StudyFolder
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 Reader = Callable[[StudyFolder, Path], object]
-
-
-def reported(folder: StudyFolder, _out: Path) -> object:
-    stored = answers_to_report(folder).stored
-    assert stored is not None
-    frames = (each for each in vars(stored).values() if isinstance(each, pd.DataFrame))
-    return [frame.to_csv() for frame in frames]
 
 
 def exported(folder: StudyFolder, out: Path) -> object:
@@ -53,7 +44,7 @@ def live(folder: StudyFolder, _out: Path) -> object:
 @pytest.mark.parametrize(
     ("reader", "database_url"),
     [
-        *((reader, "sqlite") for reader in (reported, exported, shared, live)),
+        *((reader, "sqlite") for reader in (exported, shared, live)),
         (exported, "postgresql"),
     ],
     indirect=["database_url"],

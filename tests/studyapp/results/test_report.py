@@ -214,6 +214,8 @@ def test_unfinished_sessions_are_excluded_and_unstated_rules_are_exploratory(
     ):
         assert f"{change} the first participant arrived" in html
 
+    planned = exclusions_of(folder.study(), read_answers(folder, "participants")).planned
+    assert any("more than 1 attention" in rule.description for rule in planned)
     # What was stated before the first participant came is not known then.
     with writing(folder.responses) as session:
         session.execute(update(StudyVersion).values(definition="protocol = 'of earlier times'"))
