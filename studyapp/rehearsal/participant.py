@@ -245,14 +245,15 @@ class Participant:
                 if rater.returns:
                     self.ledger.note(self.name, left=True)
                 raise Departure(returns=rater.returns)
-            if rater.clicks_twice and not reopened:
+            clicks_twice = rater.kind == "double_clicking"
+            if clicks_twice and not reopened:
                 page, reopened = visit.open(self._entrance), True
                 continue
             visit = replace(
                 visit,
                 watches=rater.watches(self.study.watching.coverage),
                 thinks=rater.thinks(position),
-                clicks_twice=rater.clicks_twice,
+                clicks_twice=clicks_twice,
             )
             judgement = judge(self.study, rater, sight)
             visit.watch(page)

@@ -114,28 +114,12 @@ class Rater:
         return kind_at(self.population.kinds, float(drawn))
 
     @cached_property
-    def side_bias(self) -> float:
-        """Its own pull towards the right video, in logits."""
-        draw = standard_normal(self.seed, "side", self.name)
-        return self.population.side_bias + self.population.side_bias_sd * draw + self.pull
-
-    @cached_property
     def pull(self) -> float:
         """What its own habit adds for the right or last of the videos over the left or first."""
         if self.kind != "side_biased":
             return 0.0
         to_the_right = stream(self.seed, "habit", self.name).random() < 0.5
         return SIDE_PULL if to_the_right else -SIDE_PULL
-
-    @property
-    def sight(self) -> float:
-        """How much it sees of how good a motion is; 1 is all of it."""
-        return HASTY_SIGHT if self.kind == "hasty" else 1.0
-
-    @cached_property
-    def leniency(self) -> float:
-        """How much better than others it rates everything, in logits."""
-        return self.population.leniency_sd * standard_normal(self.seed, "leniency", self.name)
 
     def leaves_at(self, trials: int) -> int | None:
         """Return at which of so many trials, from 1, it leaves; None if it stays."""
@@ -147,11 +131,6 @@ class Rater:
     def returns(self) -> bool:
         """Whether it comes back after it has left."""
         return self.kind == "returning"
-
-    @property
-    def clicks_twice(self) -> bool:
-        """Whether it presses every button twice."""
-        return self.kind == "double_clicking"
 
     def watches(self, coverage: float) -> float:
         """Return the share of each video that it watches if it must watch `coverage` of it."""
@@ -174,7 +153,7 @@ class Rater:
         )
         if stimulus.speech not in (None, segment):
             own -= self._cost_of_wrong_speech(condition, segment, question)
-        return self.sight * own
+        return HASTY_SIGHT * own if self.kind == "hasty" else own
 
     def obeys(self, trial: SeenTrial) -> bool:
         """Tell whether it does what the page of `trial` asks, on an attention check."""
@@ -190,10 +169,13 @@ class Rater:
         if self.kind in _BLIND:
             return self._blindly(ask, noise)
         left, right = trial.stimuli
+        people, draw = self.population, standard_normal(self.seed, "side", self.name)
         latent = (
             self.utility(right, ask.question)
             - self.utility(left, ask.question)
-            + self.side_bias
+            + people.side_bias
+            + people.side_bias_sd * draw
+            + self.pull
             + noise.logistic()
         )
         return step(ask.values, preference_thresholds(self.population, len(ask.values)), latent)
@@ -206,7 +188,8 @@ class Rater:
             return self._blindly(ask, noise)
         stimulus = trial.stimuli[number - 1]
         felt = self.utility(stimulus, ask.question) + self._place_value(trial, number)
-        latent = felt + self.leniency + noise.logistic()
+        leniency = self.population.leniency_sd * standard_normal(self.seed, "leniency", self.name)
+        latent = felt + leniency + noise.logistic()
         return step(ask.values, rating_thresholds(self.population, len(ask.values)), latent)
 
     def rank(
