@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ssl
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from threading import Event
 from typing import Final
@@ -13,7 +13,7 @@ import httpx
 
 from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.pages import BrokenPageError, Form, FormFields, Page, Player
+from studyapp.rehearsal.pages import BrokenPageError, Form, FormFields, Page
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater, judge
 from studyapp.study.settings.study import Study
@@ -71,20 +71,11 @@ class Visit:
         Set when the rehearsal stops.
     speed : float
         Speed of the rehearsal's clock.
-    watches : float
-        Watched share of each video, in [0, 1].
-    thinks : float
-        Seconds on that clock between the last video and the answers.
-    clicks_twice : bool
-        Whether every button is pressed twice at once.
     """
 
     client: httpx.Client
     stop: Event
     speed: float
-    watches: float = 1.0
-    thinks: float = 0.0
-    clicks_twice: bool = False
 
     def wait(self, seconds: float) -> None:
         """Wait for `seconds` on the rehearsal's clock."""
@@ -95,8 +86,13 @@ class Visit:
         """Return the page at `address`, after redirects."""
         return _page(self.client.get(address))
 
-    def send(self, page: Page, form: Form, answers: FormFields) -> Page:
+    def send(self, page: Page, form: Form, answers: FormFields, *, twice: bool) -> Page:
         """Send `form` of `page` with `answers` and return the page that follows.
+
+        Parameters
+        ----------
+        twice : bool
+            Whether the button is pressed twice at once.
 
         Raises
         ------
@@ -107,19 +103,27 @@ class Visit:
         if self.stop.is_set():
             raise InterruptedRehearsal
         target = page.target(form)
-        if not self.clicks_twice:
+        if not twice:
             return _page(self.client.post(target, data=data))
         with ThreadPoolExecutor(2) as pool:
             clicks = [pool.submit(self.client.post, target, data=data) for _ in range(2)]
             return [_page(click.result()) for click in clicks][-1]
 
-    def watch(self, page: Page) -> None:
-        """Play the videos on `page` one after the other on the rehearsal's clock, and think."""
+    def watch(self, page: Page, *, share: float, thinks: float) -> None:
+        """Play a share of the videos on `page` one after the other on the rehearsal's clock.
+
+        Then think for so many seconds.
+        """
         for player in page.players:
             self._stream(page, player.source, "video")
-            self.wait(player.duration * self.watches)
-            self._report(page, player)
-        self.wait(self.thinks)
+            self.wait(player.duration * share)
+            played = {"batch": 0, "intervals": [[0.0, player.duration * share]]}
+            response = self.client.post(player.watched_address, json=played)
+            if response.is_error:
+                raise BrokenPageError(
+                    page, f"does not accept a report of watching (status {response.status_code})"
+                )
+        self.wait(thinks)
 
     def listen(self, page: Page) -> None:
         """Fetch the sounds on `page`."""
@@ -135,14 +139,6 @@ class Visit:
                 page,
                 f"has {'a video' if kind == 'video' else 'a sound'} that cannot be streamed "
                 f"(status {partial.status_code}, {content_type or 'no'} content type)",
-            )
-
-    def _report(self, page: Page, player: Player) -> None:
-        played = {"batch": 0, "intervals": [[0.0, player.duration * self.watches]]}
-        response = self.client.post(player.watched_address, json=played)
-        if response.is_error:
-            raise BrokenPageError(
-                page, f"does not accept a report of watching (status {response.status_code})"
             )
 
 
@@ -227,7 +223,7 @@ class Participant:
         page = visit.open(self._entrance)
         before: tuple[str, str] | None = None
         same = 0
-        reopened = False
+        reopened = twice = False
         while (code := page.completion_code) is None:
             trial = page.answer_form.trial if page.is_trial else ""
             step = (page.address, trial or page.next_form.action)
@@ -236,7 +232,8 @@ class Participant:
                 raise BrokenPageError(page, "comes back although it was answered")
             before = step
             if not page.is_trial:
-                page = visit.send(page, page.next_form, self._form_answers(visit, page))
+                form = page.next_form
+                page = visit.send(page, form, self._form_answers(visit, page), twice=twice)
                 continue
             sight = self.eyes.look(page)
             position = sight.position
@@ -245,19 +242,14 @@ class Participant:
                 if rater.returns:
                     self.ledger.note(self.name, left=True)
                 raise Departure(returns=rater.returns)
-            clicks_twice = rater.kind == "double_clicking"
-            if clicks_twice and not reopened:
+            twice = rater.kind == "double_clicking"
+            if twice and not reopened:
                 page, reopened = visit.open(self._entrance), True
                 continue
-            visit = replace(
-                visit,
-                watches=rater.watches(self.study.watching.coverage),
-                thinks=rater.thinks(position),
-                clicks_twice=clicks_twice,
-            )
             judgement = judge(self.study, rater, sight)
-            visit.watch(page)
-            page = visit.send(page, page.answer_form, judgement.fields())
+            share = rater.watches(self.study.watching.coverage)
+            visit.watch(page, share=share, thinks=rater.thinks(position))
+            page = visit.send(page, page.answer_form, judgement.fields(), twice=twice)
             self.ledger.answered(self.name, trial, judgement.values)
         self.ledger.note(self.name, code=code)
         return code
