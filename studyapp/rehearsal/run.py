@@ -162,19 +162,15 @@ def _let_take_part(
     InputError
         If a page lacks something, or the server does not answer.
     """
-    have_left = anybody.ledger.read().left
     done = roster.total - len(roster.remaining)
     with ThreadPoolExecutor(workers, thread_name_prefix="participant") as pool:
 
-        def submit(name: str, *, delay: float, is_back: bool) -> Future[bool]:
-            person = replace(anybody, name=name)
-            return pool.submit(_visit, person, server, delay=delay, is_back=is_back)
+        def submit(name: str, delay: float) -> Future[bool]:
+            return pool.submit(_visit, replace(anybody, name=name), server, delay=delay)
 
         try:
             visits = {
-                submit(
-                    name, delay=min(index, workers) * STAGGER_SECONDS, is_back=name in have_left
-                ): name
+                submit(name, min(index, workers) * STAGGER_SECONDS): name
                 for index, name in enumerate(roster.remaining)
             }
             while visits:
@@ -184,15 +180,16 @@ def _let_take_part(
                         done += 1
                         on_done(done, roster.total)
                     else:
-                        visits[submit(name, delay=0.0, is_back=True)] = name
+                        visits[submit(name, 0.0)] = name
         finally:
             anybody.stop.set()
             pool.shutdown(cancel_futures=True)
 
 
-def _visit(person: Participant, server: str, *, delay: float, is_back: bool) -> bool:
+def _visit(person: Participant, server: str, *, delay: float) -> bool:
     """Let somebody take part; return whether they are finished or gone."""
     person.stop.wait(delay)
+    is_back = person.name in person.ledger.read().left
     try:
         with study_client(server) as client:
             person.take_part(client, is_back=is_back)
