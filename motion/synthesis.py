@@ -10,7 +10,6 @@ import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 from xml.sax.saxutils import escape
 
@@ -43,18 +42,16 @@ class SpokenProsody:
     amplitude: int
 
 
-PROSODY_OF_EMOTION: Final[Mapping[str, SpokenProsody]] = MappingProxyType(
-    {
-        "neutral": SpokenProsody(speed=150, pitch=45, pitch_range=100, amplitude=100),
-        "happiness": SpokenProsody(speed=165, pitch=60, pitch_range=160, amplitude=115),
-        "anger": SpokenProsody(speed=175, pitch=52, pitch_range=140, amplitude=125),
-        "sadness": SpokenProsody(speed=120, pitch=34, pitch_range=50, amplitude=65),
-        "contempt": SpokenProsody(speed=135, pitch=38, pitch_range=80, amplitude=85),
-        "surprise": SpokenProsody(speed=160, pitch=66, pitch_range=190, amplitude=110),
-        "fear": SpokenProsody(speed=185, pitch=70, pitch_range=60, amplitude=95),
-        "disgust": SpokenProsody(speed=130, pitch=40, pitch_range=115, amplitude=100),
-    }
-)
+PROSODY_OF_EMOTION: Final[Mapping[str, SpokenProsody]] = {
+    "neutral": SpokenProsody(speed=150, pitch=45, pitch_range=100, amplitude=100),
+    "happiness": SpokenProsody(speed=165, pitch=60, pitch_range=160, amplitude=115),
+    "anger": SpokenProsody(speed=175, pitch=52, pitch_range=140, amplitude=125),
+    "sadness": SpokenProsody(speed=120, pitch=34, pitch_range=50, amplitude=65),
+    "contempt": SpokenProsody(speed=135, pitch=38, pitch_range=80, amplitude=85),
+    "surprise": SpokenProsody(speed=160, pitch=66, pitch_range=190, amplitude=110),
+    "fear": SpokenProsody(speed=185, pitch=70, pitch_range=60, amplitude=95),
+    "disgust": SpokenProsody(speed=130, pitch=40, pitch_range=115, amplitude=100),
+}
 """Anger, fear, happiness and sadness follow what Juslin & Laukka 2003 found across studies (anger,
 fear and happiness fast, sadness slow and soft; anger and happiness with a wide pitch range, fear
 and sadness with a narrow one); the other four were chosen to sound distinct."""

@@ -63,12 +63,10 @@ class Avatar:
         return BODIES / f"smplx_anny_{self.name}.npz"
 
 
-AVATARS: Final[Mapping[str, Avatar]] = MappingProxyType(
-    {
-        name: Avatar(name=name, **values)
-        for name, values in tomllib.loads((BODIES / "avatars.toml").read_text("utf-8")).items()
-    }
-)
+AVATARS: Final[Mapping[str, Avatar]] = {
+    name: Avatar(name=name, **values)
+    for name, values in tomllib.loads((BODIES / "avatars.toml").read_text("utf-8")).items()
+}
 """All avatars by name; the first is the default."""
 
 FIRST_AVATAR: Final = next(iter(AVATARS))

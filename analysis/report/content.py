@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal
 
 from markupsafe import Markup
@@ -336,12 +335,10 @@ class Subject:
         return MARKS[self.origin][1]
 
 
-MARKS: Mapping[Origin, tuple[str, str]] = MappingProxyType(
-    {
-        "participants": ("", ""),
-        "table": ("", ""),
-        "rehearsal": ("Rehearsal: simulated raters, no person answered", "rehearsal"),
-        "none": ("No participants yet: metrics only", "no participants yet"),
-    }
-)
+MARKS: Mapping[Origin, tuple[str, str]] = {
+    "participants": ("", ""),
+    "table": ("", ""),
+    "rehearsal": ("Rehearsal: simulated raters, no person answered", "rehearsal"),
+    "none": ("No participants yet: metrics only", "no participants yet"),
+}
 """The marks of a page in full and in a word or two, by who answered."""

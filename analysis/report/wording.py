@@ -88,14 +88,12 @@ def share(value: float) -> str:
     return sign + (text[1:] if text.startswith("0") else text)
 
 
-MEASURES: Final[Mapping[Measure, str]] = MappingProxyType(
-    {
-        "win_share": "win share of the first",
-        "own_speech": "share of preferences for its own speech",
-        "mean_rating": "mean rating",
-        "mean_rank": "mean rank (1 is best)",
-    }
-)
+MEASURES: Final[Mapping[Measure, str]] = {
+    "win_share": "win share of the first",
+    "own_speech": "share of preferences for its own speech",
+    "mean_rating": "mean rating",
+    "mean_rank": "mean rank (1 is best)",
+}
 """Names of the headline numbers."""
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -137,14 +136,12 @@ def sensitivity(table: AnswerTable, left_out: LeftOut) -> tuple[Sensitivity, ...
 
 NOBODY: Final = Estimate(reason="nobody who answered this is analysed")
 
-MEASURES: Final[Mapping[str, Measure]] = MappingProxyType(
-    {
-        "pairwise": "win_share",
-        "mismatch": "own_speech",
-        "rating": "mean_rating",
-        "ranking": "mean_rank",
-    }
-)
+MEASURES: Final[Mapping[str, Measure]] = {
+    "pairwise": "win_share",
+    "mismatch": "own_speech",
+    "rating": "mean_rating",
+    "ranking": "mean_rank",
+}
 """The kind of headline number of each protocol."""
 
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Final, Literal
 
 from training.config import Preset, read_presets
@@ -176,14 +175,12 @@ class Sampling:
         return tuple(places)
 
 
-SAMPLINGS: Final[Mapping[str, Sampling]] = MappingProxyType(
-    {
-        "smooth": Sampling(smooth=True),
-        "fast": Sampling(),
-        "careful": Sampling(jump_count=5),
-        "plain": Sampling(jump_count=1),
-    }
-)
+SAMPLINGS: Final[Mapping[str, Sampling]] = {
+    "smooth": Sampling(smooth=True),
+    "fast": Sampling(),
+    "careful": Sampling(jump_count=5),
+    "plain": Sampling(jump_count=1),
+}
 """Settings by name: as fast as the release's fast one, but smoother between windows and with poses
 as varied as the network's; the release's fast one; its careful one; no resampling."""
 
@@ -216,12 +213,10 @@ PRESETS: Final = read_presets(Path(__file__).with_name("presets.toml"), dict[str
 BEAT: Final = PRESETS["beat"]["beat"].network
 SHOW: Final = PRESETS["show"]["show"].network
 
-ABLATIONS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
-    {
-        "naive_concat": {"flow": "joint"},
-        "without_detach": {"detached": False},
-        "without_x0": {"flow": "none"},
-        "reverse": {"flow": "gesture_to_expression"},
-    }
-)
+ABLATIONS: Final[Mapping[str, Mapping[str, Any]]] = {
+    "naive_concat": {"flow": "joint"},
+    "without_detach": {"detached": False},
+    "without_x0": {"flow": "none"},
+    "reverse": {"flow": "gesture_to_expression"},
+}
 """Changes of the network by the ablations of Table 1."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final
 
 import torch
@@ -44,15 +43,11 @@ class LossWeights:
     semantic: bool = False
 
 
-LOSSES: Final[Mapping[str, LossWeights]] = MappingProxyType(
-    {
-        "paper": LossWeights(noise=10, velocity=1, reconstruction=1),
-        "release": LossWeights(
-            noise=1000, velocity=1, reconstruction=100, slope=1.0, semantic=True
-        ),
-        "steps": LossWeights(noise=1, velocity=10, reconstruction=1, turn=1.0),
-    }
-)
+LOSSES: Final[Mapping[str, LossWeights]] = {
+    "paper": LossWeights(noise=10, velocity=1, reconstruction=1),
+    "release": LossWeights(noise=1000, velocity=1, reconstruction=100, slope=1.0, semantic=True),
+    "steps": LossWeights(noise=1, velocity=10, reconstruction=1, turn=1.0),
+}
 """The paper's weights (equation 8), those of the released training, and a third set for a network
 with a skip. There, motion counts as much as noise, with a Huber loss that becomes linear at one
 standard deviation: at noisy steps, only the motion shows the effect of speech and speaker, and such

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Final
 
 from training.config import Preset, read_presets
@@ -125,17 +124,15 @@ class LossWeights:
     latent: float = 2e-4
 
 
-ABLATIONS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
-    {
-        "without_face": {"faces": False},
-        "without_pose": {"poses": False},
-        "without_velocity_acceleration": {"velocity": 0.0, "acceleration": 0.0},
-        "without_discriminator": {"adversarial": 0.0},
-        "without_face_graph": {"face_graph": False},
-        "without_pose_graph": {"pose_graph": False},
-        "without_synchrony": {"synchronous": False},
-    }
-)
+ABLATIONS: Final[Mapping[str, Mapping[str, Any]]] = {
+    "without_face": {"faces": False},
+    "without_pose": {"poses": False},
+    "without_velocity_acceleration": {"velocity": 0.0, "acceleration": 0.0},
+    "without_discriminator": {"adversarial": 0.0},
+    "without_face_graph": {"face_graph": False},
+    "without_pose_graph": {"pose_graph": False},
+    "without_synchrony": {"synchronous": False},
+}
 """The seven ablations of Table 1, as changes of `NetworkConfig` or `LossWeights`."""
 
 

@@ -63,25 +63,23 @@ def _motion_builder(spine: str) -> JointMap:
     return _joint_map(f"Hips {spine} Neck Head", limbs, "{side}{part}", finger="Hand{Joint}")
 
 
-JOINT_MAPS: Final[Mapping[str, JointMap]] = MappingProxyType(
-    {
-        "beat": _motion_builder("Spine Spine2 Spine3"),
-        "mixamo": _motion_builder("Spine Spine1 Spine2"),
-        "cmu": _motion_builder("LowerBack Spine Spine1"),
-        "genea": _joint_map(
-            "b_root b_spine0 b_spine2 b_spine3 b_neck0 b_head",
-            "shoulder arm forearm wrist upleg leg foot",
-            "b_{s}_{part}",
-            finger="{joint}",
-        ),
-        "anatomical": _joint_map(
-            "Hips Chest Chest2 Chest4 Neck Head",
-            "Collar Shoulder Elbow Wrist Hip Knee Ankle Toe",
-            "{side}{part}",
-        ),
-        "smplx": MappingProxyType({name: name for name in JOINT_NAMES}),
-    }
-)
+JOINT_MAPS: Final[Mapping[str, JointMap]] = {
+    "beat": _motion_builder("Spine Spine2 Spine3"),
+    "mixamo": _motion_builder("Spine Spine1 Spine2"),
+    "cmu": _motion_builder("LowerBack Spine Spine1"),
+    "genea": _joint_map(
+        "b_root b_spine0 b_spine2 b_spine3 b_neck0 b_head",
+        "shoulder arm forearm wrist upleg leg foot",
+        "b_{s}_{part}",
+        finger="{joint}",
+    ),
+    "anatomical": _joint_map(
+        "Hips Chest Chest2 Chest4 Neck Head",
+        "Collar Shoulder Elbow Wrist Hip Knee Ankle Toe",
+        "{side}{part}",
+    ),
+    "smplx": MappingProxyType({name: name for name in JOINT_NAMES}),
+}
 """Known skeletons: BEAT and ZeroEGGS (four spine joints), Mixamo (three), CMU, GENEA and
 Talking With Hands, names after the anatomical joints, and SMPL-X's own names."""
 

@@ -10,7 +10,6 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final, Literal
 
 from sqlalchemy import select
@@ -43,17 +42,15 @@ AWAITING: Final = "AWAITING REVIEW"
 TIMED_OUT: Final = "TIMED-OUT"
 UNDER_WAY: Final = ("ACTIVE", "RESERVED")
 
-REASONS_NOT_TO_PAY: Final[Mapping[StudyStatus, str]] = MappingProxyType(
-    {
-        "failed_attention": "failed too many attention checks",
-        "unwatched": "ended early, since too many videos were said not to play",
-        "unfinished": "did not finish here",
-        "withdrawn": "withdrew",
-        "screened_out": "was screened out",
-        "elsewhere": "took part under another submission",
-        "nobody": "never began here",
-    }
-)
+REASONS_NOT_TO_PAY: Final[Mapping[StudyStatus, str]] = {
+    "failed_attention": "failed too many attention checks",
+    "unwatched": "ended early, since too many videos were said not to play",
+    "unfinished": "did not finish here",
+    "withdrawn": "withdrew",
+    "screened_out": "was screened out",
+    "elsewhere": "took part under another submission",
+    "nobody": "never began here",
+}
 
 
 @dataclass(frozen=True, kw_only=True)

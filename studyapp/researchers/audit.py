@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from types import MappingProxyType
 from typing import Final, Literal
 
 from sqlalchemy import func, select
@@ -29,22 +28,20 @@ MAX_REASON_LENGTH: Final = 500
 ERASED: Final = "(erased)"
 """Replaces text about somebody who is forgotten."""
 
-EVENT_LABELS: Final[Mapping[Event, str]] = MappingProxyType(
-    {
-        Event.RESTORED: "restored from a backup",
-        Event.NEWCOMERS_LET_IN: "opened to new participants",
-        Event.NEWCOMERS_PAUSED: "recruitment paused",
-        Event.NEWCOMERS_CLOSED: "closed to new participants",
-        Event.PASSWORD_OFFERED: "new password offered",
-        Event.SHUT_OUT: "access removed",
-        Event.LET_IN_AGAIN: "access restored",
-        Event.SECOND_FACTOR_ON: "second factor turned on",
-        Event.SECOND_FACTOR_OFF: "second factor turned off",
-        Event.DEFINITION_EDITED: "study file edited",
-        Event.JOB_BEGUN: "job started",
-        Event.MATERIAL_REMOVED: "material removed",
-    }
-)
+EVENT_LABELS: Final[Mapping[Event, str]] = {
+    Event.RESTORED: "restored from a backup",
+    Event.NEWCOMERS_LET_IN: "opened to new participants",
+    Event.NEWCOMERS_PAUSED: "recruitment paused",
+    Event.NEWCOMERS_CLOSED: "closed to new participants",
+    Event.PASSWORD_OFFERED: "new password offered",
+    Event.SHUT_OUT: "access removed",
+    Event.LET_IN_AGAIN: "access restored",
+    Event.SECOND_FACTOR_ON: "second factor turned on",
+    Event.SECOND_FACTOR_OFF: "second factor turned off",
+    Event.DEFINITION_EDITED: "study file edited",
+    Event.JOB_BEGUN: "job started",
+    Event.MATERIAL_REMOVED: "material removed",
+}
 """Labels of events whose names are not clear enough."""
 
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from datetime import datetime
-from types import MappingProxyType
 from typing import Final
 
 from sqlalchemy import func, select, update
@@ -266,13 +265,11 @@ def _screen_out_and_delete(session: Session, study: Study, study_session: StudyS
     session.delete(study_session)
 
 
-COUNTS: Final[Mapping[Stage, InstrumentedAttribute[int]]] = MappingProxyType(
-    {
-        "eligibility": StudyVersion.screened_by_eligibility,
-        "consent": StudyVersion.screened_by_consent,
-        "comprehension": StudyVersion.screened_by_comprehension,
-    }
-)
+COUNTS: Final[Mapping[Stage, InstrumentedAttribute[int]]] = {
+    "eligibility": StudyVersion.screened_by_eligibility,
+    "consent": StudyVersion.screened_by_consent,
+    "comprehension": StudyVersion.screened_by_comprehension,
+}
 """The column that counts screen-outs at each stage."""
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from functools import cache
-from types import MappingProxyType
 from typing import Any, Final, Literal, cast
 
 from sqlalchemy import Row, Table, Update, bindparam, select, update
@@ -25,15 +24,13 @@ from studyapp.study.settings.study import Study
 
 State = Literal["instructed", "started", "completed", "unwatched", "withdrawn", "lapsed"]
 
-NO_TRIAL_MESSAGES: Final[Mapping[State, Message]] = MappingProxyType(
-    {
-        "instructed": Message("You have not begun yet."),
-        "completed": Message("You have already finished: all your answers are stored."),
-        "unwatched": Message("Too many videos did not play, and so the study has ended here."),
-        "withdrawn": Message("You have withdrawn from this study."),
-        "lapsed": Message("Your place was given to somebody else after a long pause."),
-    }
-)
+NO_TRIAL_MESSAGES: Final[Mapping[State, Message]] = {
+    "instructed": Message("You have not begun yet."),
+    "completed": Message("You have already finished: all your answers are stored."),
+    "unwatched": Message("Too many videos did not play, and so the study has ended here."),
+    "withdrawn": Message("You have withdrawn from this study."),
+    "lapsed": Message("Your place was given to somebody else after a long pause."),
+}
 """Why somebody who is not at a trial has none."""
 
 

@@ -18,14 +18,12 @@ from studyapp.study.protocols.rating import RatingStudy
 from studyapp.study.settings.sections import explain_errors, lines_of, with_line
 from studyapp.study.settings.study import Study
 
-PROTOCOLS: Final[Mapping[str, type[Study]]] = MappingProxyType(
-    {
-        "pairwise": PairwiseStudy,
-        "rating": RatingStudy,
-        "ranking": RankingStudy,
-        "mismatch": MismatchStudy,
-    }
-)
+PROTOCOLS: Final[Mapping[str, type[Study]]] = {
+    "pairwise": PairwiseStudy,
+    "rating": RatingStudy,
+    "ranking": RankingStudy,
+    "mismatch": MismatchStudy,
+}
 """All protocols by name."""
 
 ALIASES: Final[Mapping[str, str]] = MappingProxyType(

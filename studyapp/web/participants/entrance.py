@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final, Literal
 
 from flask import Blueprint, Response, make_response, render_template, request
@@ -233,13 +232,11 @@ def _entrant() -> Entrant:
     return Entrant(visit=visit, recruiter=recruiter, answers=form_fields())
 
 
-DEVICES: Final[Mapping[Device, Message]] = MappingProxyType(
-    {
-        "computer": Message("a computer"),
-        "tablet": Message("a tablet"),
-        "phone": Message("a phone"),
-    }
-)
+DEVICES: Final[Mapping[Device, Message]] = {
+    "computer": Message("a computer"),
+    "tablet": Message("a tablet"),
+    "phone": Message("a phone"),
+}
 """The words for each kind of device."""
 
 

@@ -18,7 +18,6 @@ import time
 from collections.abc import Mapping
 from datetime import timedelta
 from functools import cache, partial
-from types import MappingProxyType
 from typing import Any, Final
 from urllib.parse import urlsplit
 
@@ -141,14 +140,12 @@ def _is_for(audience: Any, host: str) -> bool:
 
 
 PROLIFIC_NAMES: Final = ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID")
-NAMES: Final[Mapping[Channel, tuple[str, ...]]] = MappingProxyType(
-    {
-        "link": PROLIFIC_NAMES,
-        "prolific": PROLIFIC_NAMES,
-        "mturk": ("workerId", "hitId", "assignmentId", "turkSubmitTo"),
-        "invitations": ("invitation",),
-    }
-)
+NAMES: Final[Mapping[Channel, tuple[str, ...]]] = {
+    "link": PROLIFIC_NAMES,
+    "prolific": PROLIFIC_NAMES,
+    "mturk": ("workerId", "hitId", "assignmentId", "turkSubmitTo"),
+    "invitations": ("invitation",),
+}
 """Parameters of the address: the participant, the recruiter's study, the submission."""
 
 VISIT: Final = re.compile(r"[A-Za-z0-9_-]{22,64}")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final, Literal
 
 from studyapp.session.trials import ShownTrial, ShownVideo
@@ -31,13 +30,11 @@ SCALE: Final = (
 )
 """The five answers in the order of the videos, from left to right."""
 
-PREFERENCE_LABELS: Final[Mapping[int, tuple[tuple[int, Message], ...]]] = MappingProxyType(
-    {
-        2: ((-1, Message("A")), (1, Message("B"))),
-        3: ((-1, Message("A")), (0, NO_DIFFERENCE), (1, Message("B"))),
-        5: SCALE,
-    }
-)
+PREFERENCE_LABELS: Final[Mapping[int, tuple[tuple[int, Message], ...]]] = {
+    2: ((-1, Message("A")), (1, Message("B"))),
+    3: ((-1, Message("A")), (0, NO_DIFFERENCE), (1, Message("B"))),
+    5: SCALE,
+}
 """By the number of answers, in the order of the videos."""
 
 CATEGORY_LABELS: Final = (
