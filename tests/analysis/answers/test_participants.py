@@ -67,15 +67,6 @@ def attention_rows(participant: str, answers: str, asked: str) -> pd.DataFrame:
     )
 
 
-def test_participants_without_catch_trials_failed_none(table: pd.DataFrame, tmp_path: Path) -> None:
-    result = facts(tmp_path, pd.concat([table, catch_rows("p01", "lrl", (3, 5, 1))]))
-    assert {name: one.failed_catch for name, one in result.items()} == {
-        "p00": 0,
-        "p01": 1,
-        "p02": 0,
-    }
-
-
 def test_any_answer_but_the_instructed_one_fails_an_attention_check_once(
     table: pd.DataFrame, tmp_path: Path
 ) -> None:
@@ -85,19 +76,15 @@ def test_any_answer_but_the_instructed_one_fails_an_attention_check_once(
     assert result["p01"].failed_attention == 2
 
 
-def test_attention_checks_are_never_analysed(table: pd.DataFrame, tmp_path: Path) -> None:
-    both = pd.concat([table, attention_rows("p01", "12", "22")])
-    answers = read_table(both, "pairwise", tmp_path)
-    assert set(answers.shown["kind"]) == {"practice", "main", "repeat"}
-    assert not any("attention" in note for note in answers.notes)
-
-
-def test_attention_checks_without_an_instructed_answer_are_noted(
+def test_attention_checks_are_never_analysed_and_noted_without_an_instructed_answer(
     table: pd.DataFrame, tmp_path: Path
 ) -> None:
-    checks = attention_rows("p01", "12", "22").drop(columns="instructed")
+    checks = attention_rows("p01", "12", "22")
     answers = read_table(pd.concat([table, checks]), "pairwise", tmp_path)
-    assert answers.notes == (
+    assert set(answers.shown["kind"]) == {"practice", "main", "repeat"}
+    assert not answers.notes
+    checks = checks.drop(columns="instructed")
+    assert read_table(pd.concat([table, checks]), "pairwise", tmp_path).notes == (
         "2 rows are left out (attention checks): the table does not say what they ask for, so "
         "they exclude nobody by themselves.",
     )
@@ -165,6 +152,8 @@ def test_participants_who_fail_too_many_catch_trials_are_excluded(
     result = left_out(tmp_path, failed)
     assert set(result.exclusions) == {"p01"}
     assert (result.recruited, result.attentive) == (3, 2)
+    # Who was shown no catch trial failed none.
+    assert not result.rules[0].remark
     assert set(result.analysed["participant"]) == {"p00", "p02"}
     assert "p01" in set(result.everyone["participant"])
     assert set(result.analysed["kind"]) == {"main", "repeat"}

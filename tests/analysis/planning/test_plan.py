@@ -10,11 +10,10 @@ import pytest
 from analysis.planning.part import Opinions
 from analysis.planning.plan import Plan, Request, plan, smallest_effect
 from analysis.planning.writing import plan_sentences, write_plan
-from tests.analysis.planning.sketch import Sketch
+from tests.analysis.planning.sketch import three_comparisons
 
-SKETCH = Sketch(kind="pairs", comparisons=3, own_participants=True)
 REQUEST = Request(
-    size=lambda participants, items: SKETCH.size(participants, items, excluded=0.1),
+    size=three_comparisons,
     participants=(10, 20, 80),
     items=(6, 12),
     effects=(0.0, 0.5),

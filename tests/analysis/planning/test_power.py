@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -14,36 +13,28 @@ from analysis.planning.deciding_tests import (
     detection_shares,
     worth_tests,
 )
-from analysis.planning.part import Opinions, Part, simulate_answers
+from analysis.planning.part import Kind, Opinions, Part, simulate_answers
 from analysis.planning.power import Power, simulate_power
 from analysis.results.mixed_models import SidedAnswers, net_preference
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.multiple_testing import holm
 from analysis.stats.strength_differences import difference_tests
 from analysis.stats.strength_models import plackett_luce
-from tests.analysis.planning.sketch import Sketch
+from tests.analysis.planning.sketch import sketched
 
 ALIKE = Opinions(participant_sd=0.3, item_sd=0.3)
 
-PAIRS = Sketch(kind="pairs", own_participants=True)
-RATINGS, RANKINGS = Sketch(kind="ratings", conditions=3), Sketch(kind="rankings", conditions=3)
+
+def power(part: Part, effect: float) -> Power:
+    return simulate_power((part,), ALIKE, effect, (1, 2), studies=400)[0]
 
 
-def part(sketch: Sketch, participants: int, items: int) -> Part:
-    (result,) = sketch.size(participants, items, excluded=0.0).parts
-    return result
-
-
-def power(sketch: Sketch, participants: int, items: int, effect: float) -> Power:
-    parts = (part(sketch, participants, items),)
-    return simulate_power(parts, ALIKE, effect, (1, 2), studies=400)[0]
-
-
-@pytest.mark.parametrize("sketch", [PAIRS, RATINGS, RANKINGS], ids=lambda sketch: sketch.kind)
+@pytest.mark.parametrize(("kind", "conditions"), [("pairs", 2), ("ratings", 3), ("rankings", 3)])
 def test_power_grows_with_the_effect_and_false_positives_stay_at_the_level(
-    sketch: Sketch,
+    kind: Kind, conditions: int
 ) -> None:
-    nothing, some, much = (power(sketch, 12, 8, effect).power for effect in (0.0, 0.5, 1.2))
+    part = sketched(kind, 12, 8, conditions=conditions)
+    nothing, some, much = (power(part, effect).power for effect in (0.0, 0.5, 1.2))
 
     assert nothing <= 0.06
     assert nothing < some < much
@@ -51,14 +42,14 @@ def test_power_grows_with_the_effect_and_false_positives_stay_at_the_level(
 
 
 def test_more_tests_are_corrected_more() -> None:
-    six = power(replace(PAIRS, questions=6), 12, 10, 0.6)
+    one, six = (power(sketched("pairs", 12, 10, blocks=blocks), 0.6) for blocks in (1, 6))
 
     assert six.power < six.uncorrected
-    assert six.uncorrected == pytest.approx(power(PAIRS, 12, 10, 0.6).power)
+    assert six.uncorrected == pytest.approx(one.power)
 
 
 def test_the_win_share_decides_for_few_participants() -> None:
-    pairs = part(PAIRS, 10, 30)
+    pairs = sketched("pairs", 10, 30)
     people, segments = pairs.trials.participants, pairs.trials.items
     answers = simulate_answers(pairs, ALIKE, 0.4, 4, np.random.default_rng(1))
 
@@ -72,7 +63,7 @@ def test_the_win_share_decides_for_few_participants() -> None:
 
 @pytest.mark.slow
 def test_the_mean_preference_finds_about_as_much_as_the_mixed_model() -> None:
-    pairs = part(PAIRS, 25, 24)
+    pairs = sketched("pairs", 25, 24)
     left, right = pairs.trials.sides
     answers = simulate_answers(pairs, Opinions(), 0.4, 200, np.random.default_rng(1))
     tested = block_tests(pairs, answers)
@@ -95,7 +86,7 @@ def test_the_mean_preference_finds_about_as_much_as_the_mixed_model() -> None:
 
 
 def test_rankings_are_decided_by_the_worths_of_each_study() -> None:
-    rankings = part(RANKINGS, 22, 8)
+    rankings = sketched("rankings", 22, 8, conditions=3)
     names = ("0", "1", "2")
     answers = simulate_answers(rankings, Opinions(), 0.8, 20, np.random.default_rng(1))
     tested = worth_tests(answers, rankings.trials)
@@ -117,7 +108,7 @@ def test_rankings_are_decided_by_the_worths_of_each_study() -> None:
 
 
 def test_a_condition_that_wins_every_ranking_is_found() -> None:
-    rankings = part(RANKINGS, 10, 8)
+    rankings = sketched("rankings", 10, 8, conditions=3)
     ranks = np.tile([[1.0, 2, 3], [1, 3, 2]], (40, 1))[None]
 
     tested = worth_tests(ranks, rankings.trials)
@@ -140,8 +131,8 @@ def test_the_power_of_scores_is_near_that_of_a_crossed_mixed_model(
     effect: float,
 ) -> None:
     for participants, items, known in POWERS[effect]:
-        parts = (part(PAIRS, participants, items),)
-        (result,) = simulate_power(parts, Opinions(), effect, (1,), studies=2000)
+        part = sketched("pairs", participants, items)
+        (result,) = simulate_power((part,), Opinions(), effect, (1,), studies=2000)
 
         assert result.power == pytest.approx(known, abs=0.05)
 

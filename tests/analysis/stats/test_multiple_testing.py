@@ -19,9 +19,7 @@ from analysis.stats.multiple_testing import (
 
 def test_a_missing_test_stays_a_member_of_the_family() -> None:
     corrected = holm([0.01, math.nan, 0.02])
-    assert corrected[0] == pytest.approx(0.03)
-    assert math.isnan(corrected[1])
-    assert corrected[2] == pytest.approx(0.04)
+    assert corrected == pytest.approx([0.03, math.nan, 0.04], nan_ok=True)
     assert holm([]) == ()
 
 
@@ -31,7 +29,7 @@ def test_the_correction_agrees_with_statsmodels() -> None:
     assert holm(family.tolist()) == pytest.approx(expected.tolist())
 
 
-PUBLISHED = {1: 0.050, 2: 0.083, 3: 0.107, 4: 0.126, 5: 0.142, 10: 0.193, 20: 0.248, 50: 0.320}
+PUBLISHED = {1: 0.050, 2: 0.083, 3: 0.107, 5: 0.142, 10: 0.193, 50: 0.320, 100: 0.374}
 """Armitage, McPherson & Rowe (1969), table 2: tests at .05 with known variance."""
 
 
@@ -51,15 +49,8 @@ def test_error_rates_of_unequal_looks_match_simulation() -> None:
 
 def test_a_look_at_the_same_participants_again_costs_nothing() -> None:
     assert false_positive_rate([25, 12, 12, 25]) == false_positive_rate([12, 25])
-    assert false_positive_rate([25]) == pytest.approx(0.05, abs=1e-9)
+    assert 0.05 < false_positive_rate([999, 1000]) < 0.06
     assert false_positive_rate([]) == 0
-
-
-def test_looks_after_every_participant_are_integrated() -> None:
-    close, apart = false_positive_rate([999, 1000]), false_positive_rate([500, 1000])
-
-    assert 0.05 < close < 0.06 < apart
-    assert equally_spaced(100) == pytest.approx(0.374, abs=1e-3)
 
 
 LOOK = Look(
