@@ -192,13 +192,6 @@ class Checking:
         codes, values = self._distinct(column)
         return np.append(np.asarray(values, np.float64), np.nan)[codes]
 
-    def filled(self, column: Column) -> Bools:
-        """Return which rows have a nonempty cell in `column`."""
-        if column.name not in self._cells.rows:
-            return np.zeros(len(self._cells.rows), bool)
-        codes, texts = pd.factorize(self._cells.rows[column.name])
-        return np.array([str(text).strip() not in column.missing for text in texts], bool)[codes]
-
     def refuse(self, bad: Bools, column: str, problem: Callable[[int], str], remedy: str) -> None:
         """Raise an error about the first row of `bad`, if there is one.
 

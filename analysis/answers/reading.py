@@ -103,9 +103,10 @@ def answers_in(
     """
     everything = Checking(cells)
     participants = everything.names(_COLUMN["participant"])
-    kinds = _kinds(everything)
+    stated = everything.names(_COLUMN["kind"])
+    kinds = np.array([*stated.categories, "main"], object)[stated.codes]
     judged = ("catch",) if layout.has_sides else ()
-    instructed = (kinds == "attention") & everything.filled(_COLUMN["instructed"])
+    instructed = (kinds == "attention") & np.isfinite(everything.numbers(_COLUMN["instructed"]))
     used = np.isin(kinds, (*ANALYSED_KINDS, "practice", *judged)) | instructed
     checking = Checking(cells.part(used), np.isin(kinds[used], ANALYSED_KINDS))
     answers = _answers(layout, checking, kinds[used])
@@ -156,13 +157,6 @@ def answers_in(
         sets=_ordered(_appearing(answers[["set"]], analysed), order.sets),
         notes=tuple(_notes(cells, kinds, instructed, layout, answers, analysed, has_scale)),
     )
-
-
-def _kinds(checking: Checking) -> NDArray[np.object_]:
-    """Return the kind of each row's trial; 'main' unless stated."""
-    kinds = checking.names(_COLUMN["kind"])
-    names = np.array([*kinds.categories, "main"], object)
-    return np.asarray(names[kinds.codes], object)
 
 
 def _answers(layout: Layout, checking: Checking, kinds: NDArray[np.object_]) -> pd.DataFrame:

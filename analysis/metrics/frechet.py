@@ -63,8 +63,10 @@ def frechet_of_samples(x: Floats, y: Floats) -> float:
         In squared units of the embeddings, at least 0.
     """
     means = x.mean(axis=0), y.mean(axis=0)
-    factors = _sample_factor(x - means[0]), _sample_factor(y - means[1])
-    return _distance(means[0] - means[1], *factors)
+    first, second = _sample_factor(x - means[0]), _sample_factor(y - means[1])
+    shift = means[0] - means[1]
+    cross = np.linalg.svd(first @ second.T, compute_uv=False).sum()
+    return max(0.0, float(shift @ shift + np.sum(first**2) + np.sum(second**2) - 2 * cross))
 
 
 def frechet(
@@ -215,25 +217,13 @@ def _bootstrap_error(x: Embeddings, y: Embeddings, resamples: int) -> float:
     return float(np.std(scores, ddof=1))
 
 
-def _distance(shift: Floats, factor1: Floats, factor2: Floats) -> float:
-    """Return the distance of normals with covariances FᵀF, from factors F of shape (k, d)."""
-    cross = np.linalg.svd(factor1 @ factor2.T, compute_uv=False).sum()
-    distance = shift @ shift + np.sum(factor1**2) + np.sum(factor2**2) - 2 * cross
-    return max(0.0, float(distance))
-
-
 def _sample_factor(centred: Floats) -> Floats:
     """Return a factor F of min(n, d) rows with FᵀF the covariance of centred samples."""
     count, dimensions = centred.shape
     if count <= dimensions:
         return centred / math.sqrt(count - 1)
-    return _root(centred.T @ centred / (count - 1))
-
-
-def _root(covariance: Floats) -> Floats:
-    """Return a square factor F with FᵀF = `covariance`."""
-    values, vectors = eigh(covariance, check_finite=False)
-    return np.sqrt(np.clip(values, 0, None))[:, None] * vectors.T
+    values, vectors = eigh(centred.T @ centred / (count - 1), check_finite=False)
+    return np.asarray(np.sqrt(np.clip(values, 0, None))[:, None] * vectors.T)
 
 
 Rule = Literal["pytorch-fid", "offset"]

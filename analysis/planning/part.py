@@ -234,12 +234,6 @@ def _differences(
     trials: Trials, opinions: Opinions, effect: float, studies: int, generator: np.random.Generator
 ) -> Floats:
     """Return how much better the condition with the lower number is, shape (studies, N)."""
-    if trials.conditions == 2:
-        return (
-            effect
-            + opinions.participant_sd * _group_draws(trials.participants, studies, (), generator)
-            + opinions.item_sd * _group_draws(trials.items, studies, (), generator)
-        )
     worth = _worths(trials, opinions, effect, studies, generator)
     rows = np.arange(len(trials.items))
     first, second = np.sort(trials.sides, axis=0)
