@@ -10,7 +10,7 @@ import click
 from motion.errors import InputError
 from studyapp.cli.arguments import FOLDER
 from studyapp.study.folder import StudyFolder
-from studyapp.study.interview import MAX_MINUTES, MAX_PARTICIPANTS, read_pay, require_stated_pay
+from studyapp.study.interview import MAX_MINUTES, MAX_PARTICIPANTS, read_pay
 from studyapp.study.settings.presentation import Framing, Language
 from studyapp.study.settings.recruitment import Channel
 from studyapp.study.study_file import TEMPLATES, write_study
@@ -100,7 +100,6 @@ def command(
         pay=None if pay is None else read_pay(pay),
         **options,
     )
-    require_stated_pay(study)
     made = write_study(study_folder.definition, study)
     step = "import speech with 'motionjury import'"
     if any(condition.videos for condition in made.conditions.values()) or made.catch.videos:

@@ -100,7 +100,7 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
             remedy="Choose 'my own', or remove the names",
         )
     default = _template_study(template, language)
-    requested = StudyOptions(
+    return StudyOptions(
         name=name,
         template=template,
         language=cast(Language, language),
@@ -114,7 +114,7 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
         minutes=_count(form, "minutes", interview.MAX_MINUTES),
         title=form.get("title") or None,
         organisation=form.get("organisation", ""),
-        contact=interview.read_address(form.get("contact", "")),
+        contact=form.get("contact", ""),
         ethics=form.get("ethics", ""),
         avatar=form.get("avatar") or None,
         framing=cast("Framing | None", form.get("framing") or None),
@@ -125,8 +125,6 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
             not in ("", question.text)
         },
     )
-    interview.require_stated_pay(requested)
-    return requested
 
 
 def _condition_rows() -> list[tuple[str, str]]:

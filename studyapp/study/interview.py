@@ -9,18 +9,14 @@ from importlib.resources import files
 from typing import Final
 
 from generators.registry import GENERATORS, needs_model
-from motion.errors import InputError, listed
-from studyapp.study.settings.presentation import reaches_somebody
+from motion.errors import InputError
 from studyapp.study.settings.recruitment import Pay
-from studyapp.study.study_options import StudyOptions, source_notation
+from studyapp.study.study_options import source_notation
 
 MAX_MINUTES: Final = 240
 """Longest study that can be set up."""
 
 MAX_PARTICIPANTS: Final = 10_000
-
-RECRUITING_SITES: Final = ("prolific", "mturk")
-"""Channels that must be told the pay and the duration."""
 
 _WORDS: Final = tomllib.loads(files(__package__).joinpath("interview.toml").read_text("utf-8"))
 
@@ -63,17 +59,6 @@ def source_descriptions() -> dict[str, str]:
     return {**_WORDS["sources"], **described}
 
 
-def require_stated_pay(options: StudyOptions) -> None:
-    """Raise `InputError` if a recruiting site would miss the pay or the duration."""
-    if options.channel not in RECRUITING_SITES:
-        return
-    stated = {"the pay": options.pay, "the minutes": options.minutes}
-    if missing := [name for name, value in stated.items() if not value]:
-        raise InputError(
-            f"recruiting sites must be told {listed(missing)}", remedy="State that as well"
-        )
-
-
 def read_pay(text: str) -> Pay | None:
     """Return the pay of each participant from ``AMOUNT CURRENCY``; None for an empty text.
 
@@ -103,13 +88,3 @@ def read_count(text: str, maximum: int, *, unit: str) -> int:
             remedy=f"Give a whole number from 1 to {maximum}",
         )
     return int(text)
-
-
-def read_address(text: str) -> str:
-    """Return a contact; an empty one can be filled in later, an unusable one is refused."""
-    if text and not reaches_somebody(text):
-        raise InputError(
-            f"{text!r} does not say how to reach anybody",
-            remedy="Give an e-mail address, a web page or a phone number; or nothing for now",
-        )
-    return text

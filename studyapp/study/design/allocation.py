@@ -234,6 +234,8 @@ def pair_trials(
 ) -> list[PlannedTrial]:
     """Return a trial for each pair; in half of them, the first stimulus is A.
 
+    The first stimulus of a catch trial is the better one.
+
     Parameters
     ----------
     composed : bool
@@ -247,6 +249,7 @@ def pair_trials(
             part=part,
             segment=segment,
             videos=pair_videos(*((a, b) if first_is_a else (b, a)), composed=composed),
+            expected=(1 if first_is_a else 2) if kind == "catch" else None,
         )
         for (segment, a, b), first_is_a in zip(pairs, sides, strict=True)
     ]

@@ -122,8 +122,10 @@ class MismatchStudy(Study):
         realism = self._realism_pairs(number, segments, chance)
         main += pair_trials("main", realism, chance, composed=False, part=REALISM)
         catch, attention = self.draw_extra_segments(segments, main, chance)
+        caught = partial(_muted_pair, self.catch_against, self.catch.condition)
+        broken = [(segment, *caught(segment)) for segment in catch]
         extra = [
-            *self._catch_trials(catch, chance),
+            *pair_trials("catch", broken, chance, composed=False, part=REALISM),
             *self._attention_checks(attention, main, segments, chance),
         ]
         return number_trials(scatter_by_part(extra, main, chance))
@@ -203,16 +205,6 @@ class MismatchStudy(Study):
             ],
             chance,
         )
-
-    def _catch_trials(
-        self, segments: Sequence[Segment], chance: np.random.Generator
-    ) -> list[PlannedTrial]:
-        good, flawed = self.catch_against, self.catch.condition
-        pairs = [(segment, *_muted_pair(good, flawed, segment)) for segment in segments]
-        return [
-            replace(trial, expected=1 + trial.conditions.index(good))
-            for trial in pair_trials("catch", pairs, chance, composed=False, part=REALISM)
-        ]
 
     def _attention_checks(
         self,

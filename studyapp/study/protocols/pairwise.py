@@ -201,8 +201,9 @@ class PairwiseStudy(Study):
             for position, trial in enumerate(analysed[len(others) :], start=1)
         ]
         catch, attention = self.draw_extra_segments(segments, analysed, chance)
+        caught = (self.catch_against, self.catch.condition)
         extra = [
-            *self._catch_trials(catch, chance),
+            *self._trials("catch", [(segment, caught) for segment in catch], chance),
             *self._attention_checks(attention, pairs, chance),
         ]
         later = scatter(extra, [*main, *repeats], chance, may_lead=bool(practice))
@@ -278,15 +279,6 @@ class PairwiseStudy(Study):
         return shuffled(
             [ring[(number * count + step) % len(ring)] for step in range(count)], chance
         )
-
-    def _catch_trials(
-        self, segments: Sequence[Segment], chance: np.random.Generator
-    ) -> list[PlannedTrial]:
-        pair = (self.catch_against, self.catch.condition)
-        return [
-            replace(trial, expected=1 + trial.conditions.index(self.catch_against))
-            for trial in self._trials("catch", [(segment, pair) for segment in segments], chance)
-        ]
 
     def _attention_checks(
         self,

@@ -89,8 +89,6 @@ class RankingStudy(GroupedStudy):
         for block in self.blocks:
             if self.reference in block.conditions:
                 problems.append(f"blocks.{block.name}: the reference cannot be ranked")
-            if block.shortest > block.longest:
-                problems.append(f"blocks.{block.name}: shortest is above longest")
         if self.catch.trials and self.catch_against == self.reference:
             problems.append("catch.against: the reference is not ranked (name another condition)")
         return problems

@@ -44,7 +44,6 @@ REFUSED: dict[str, dict[str, str]] = {
             "needs at least 2, not 1"
         ),
         "new --template rating --trials 5": "has no key 'trials'",
-        "new --recruit prolific": "must be told the pay and the minutes",
         "new --pay 2.50": "not an amount with a currency",
         "new --recruit mturk --pay '3 EUR' --minutes 9": "Mechanical Turk pays in USD, not in EUR",
         "study": "already exists",

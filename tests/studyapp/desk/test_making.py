@@ -103,8 +103,6 @@ def test_the_forms_values_are_written_into_the_study_file(lab: Lab, grace: Resea
         ({"name": "tiny"}, "already"),
         ({"trials": "many"}, "not a number"),
         ({"participants": "9" * 5000}, "not a number"),
-        ({"contact": "me"}, "how to reach"),
-        ({"channel": "prolific"}, "must be told"),
         ({"conditions": "own", "condition": "ours", "source": "no_such"}, "unknown source"),
         ({"conditions": "own"}, "no condition is named"),
         ({"condition": "ours", "source": "files"}, "stand-ins are chosen"),

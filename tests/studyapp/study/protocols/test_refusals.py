@@ -36,7 +36,6 @@ def a_set(*conditions: str) -> dict[str, Any]:
         ("rating", a_set("ours", "nobody"), "'nobody' is not a condition"),
         ("rating", {"sets": KEYS["rating"]["sets"][:1] * 2}, "the same name"),
         ("ranking", {"reference": "ours"}, "the reference cannot be ranked"),
-        ("ranking", {"blocks": [{**LONG, "longest": 3}]}, "shortest is above longest"),
         ("ranking", {"catch": {"trials": 1, "against": "real"}}, "the reference is not ranked"),
         ("mismatch", {"fit": 0, "realism": 0, "questions": [FIT]}, "there is no task"),
         ("mismatch", {"conditions": {"ours": {}}}, "there is only one"),
