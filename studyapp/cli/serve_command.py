@@ -51,7 +51,10 @@ _server_options = together(
     ),
     click.option("--port", default=8000, type=click.IntRange(1, 65535)),
     click.option("--workers", default=WORKERS, type=click.IntRange(1, 64)),
-    public_address(help="The public address, behind a proxy; printed links start with it."),
+    public_address(
+        help="The public address, behind a proxy, which must not strip its path; printed links "
+        "start with it."
+    ),
 )
 """The options of a server that is started here."""
 
@@ -74,14 +77,6 @@ _server_options = together(
     help="Let participants load the videos from the store that 'publish-media' filled.",
 )
 @click.option(
-    "--prefix",
-    default="",
-    show_default=False,
-    metavar="PATH",
-    envvar="MOTIONJURY_PREFIX",
-    help="Serve under this path of the host, such as /studies/one; the proxy must not strip it.",
-)
-@click.option(
     "--try",
     "as_test",
     is_flag=True,
@@ -95,7 +90,6 @@ _server_options = together(
 def command(
     folder: StudyFolder,
     address: str,
-    prefix: str,
     accel_prefix: str | None,
     as_test: bool,
     **server: Any,
@@ -104,17 +98,11 @@ def command(
 
     Answers are stored in responses.db in the folder, or in the database of DATABASE_URL.
     """
-    path = checked_prefix(prefix)
-    if address and urlsplit(address).path != path:
-        raise InputError(
-            "the address does not end with the prefix",
-            where=f"address {address!r}, prefix {prefix!r}",
-            remedy="Make the path of the address the same as the prefix",
-        )
+    path = checked_prefix(urlsplit(address).path)
     is_elsewhere = bool(os.environ.get("DATABASE_URL"))
     if not is_elsewhere:
         refuse_second_database(folder)
-    url = address or f"http://{server['host']}:{server['port']}{path}"
+    url = address or f"http://{server['host']}:{server['port']}"
 
     def announce() -> None:
         if is_elsewhere:
@@ -124,7 +112,7 @@ def command(
     run_server(
         folder.root,
         accel_prefix=accel_prefix,
-        prefix=prefix,
+        prefix=path,
         origin=address.removesuffix(path),
         on_ready=announce,
         **server,

@@ -47,8 +47,8 @@ identifies the participant. What programs may rely on:
                                 the link or the form that leads back to a recruiter's site.
 ==============================  ================================================================
 
-Below a path of the host (``--prefix``) all these addresses begin with it; ``/healthz`` answers
-beside it as well.
+Below a path of the host (of ``--address``) all these addresses begin with it; ``/healthz``
+answers beside it as well.
 
 Refusals are pages (or JSON, where the request accepts that) with status 403, 404, 409 or 422;
 they change nothing. Too many reports of what was played get status 429; the same report is accepted

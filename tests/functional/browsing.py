@@ -53,10 +53,14 @@ IN_A_BROWSER = [
 
 @contextmanager
 def commanded(command: str, folder: Path, *options: str) -> Iterator[tuple[str, str]]:
-    """Run `motionjury serve` or `desk`; give the address, and the first owner's link it prints."""
+    """Run `motionjury serve` or `desk`; give the address, and the first owner's link it prints.
+
+    An option may hold ``{port}``.
+    """
     port = free_port()
     motionjury = str(Path(sys.executable).with_name("motionjury"))
-    started = [motionjury, command, str(folder), "--port", str(port), *options]
+    started = [motionjury, command, str(folder), "--port", str(port)]
+    started += [option.format(port=port) for option in options]
     with subprocess.Popen(started, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
         try:

@@ -61,7 +61,7 @@ def test_a_worker_takes_the_whole_study_in_a_frame_on_a_sub_path(
     context = browser.new_context(viewport=LAPTOP)
     context.set_default_timeout(PATIENCE_MS)
     context.add_init_script(NO_STORAGE)
-    with serving(study, "--prefix", PREFIX) as address:
+    with serving(study, "--address", f"http://127.0.0.1:{{port}}{PREFIX}") as address:
         # Without the slash at its end, as people write an address.
         source = f"{address}{PREFIX}?{NAMES}"
         frame_of = f'<iframe src="{source}" width="1300" height="740"></iframe>'

@@ -80,8 +80,8 @@ REFUSED: dict[str, dict[str, str]] = {
         "diffsheg --data . --out a.wav": "this file exists, but not the run",
     },
     "serve": {
-        "study --prefix /one --address https://x.org/two": "does not end with the prefix",
-        "study --prefix /one --address x.org/one": "not the address of a study",
+        "study --address https://x.org/o~e": "not a path that a study can be served below",
+        "study --address x.org/one": "not the address of a study",
     },
     "export": {
         "study": "no database of answers yet. If the study is served with DATABASE_URL",

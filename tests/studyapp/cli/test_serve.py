@@ -34,15 +34,14 @@ def started(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 def test_links_start_with_the_public_address_or_the_servers_own(
     tiny_study: Path, started: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    output = run("serve", tiny_study, "--prefix", "/one", "--try")
+    output = run("serve", tiny_study, "--address", "http://127.0.0.1:8000/one/", "--try")
     assert "at http://127.0.0.1:8000/one/ (" in output
     assert "as a test at http://127.0.0.1:8000/one/try/?invitation=" in output
     assert "at http://[::1]:8000/ (" in run("serve", tiny_study, "--host", "::1")
 
-    monkeypatch.setenv("MOTIONJURY_PREFIX", "/studies/one/")
     monkeypatch.setenv("MOTIONJURY_ADDRESS", "https://study.example.org/studies/one")
     output = run("serve", tiny_study)
-    assert started["prefix"] == "/studies/one/"
+    assert (started["prefix"], started["origin"]) == ("/studies/one", "https://study.example.org")
     assert "at https://study.example.org/studies/one/ (" in output
     assert "at https://study.example.org/studies/one/research/join/" in output
 
@@ -82,7 +81,7 @@ def test_files_of_a_server_are_written_and_listed(tiny_study: Path, tmp_path: Pa
     output = run("deploy", tiny_study, *given, *there, "--out", out)
 
     assert f"{out}/environment: /etc/motionjury/gestures.env (mode 600)" in output
-    assert "MOTIONJURY_PREFIX=/one" in (out / "environment").read_text("utf-8")
+    assert "https://study.example.org/one/" in (out / "environment").read_text("utf-8")
     assert {path.name for path in out.iterdir()} >= {"install", "host.nginx", "Containerfile"}
     unit = (out / "serve.service").read_text("utf-8")
     assert 'serve "/srv/motionjury/gestures" --port 8000' in unit
