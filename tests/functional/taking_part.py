@@ -42,9 +42,9 @@ AWAIT_END = """(video, patience) => {
 
 
 @contextmanager
-def shown(study: Path, *, is_test: bool = False) -> Iterator[tuple[str, Flask]]:
+def shown(study: Path) -> Iterator[tuple[str, Flask]]:
     """Serve the study from a thread; give its address and the application."""
-    app = create_app(study, is_test=is_test)
+    app = create_app(study)
     try:
         with listening(app) as address:
             yield address, app

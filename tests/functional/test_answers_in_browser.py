@@ -7,20 +7,18 @@ from contextlib import ExitStack
 
 import pytest
 from flask import Flask
-from playwright.sync_api import Browser, Locator, Page, ViewportSize, expect
+from playwright.sync_api import Browser, Locator, Page, expect
 
 from studyapp.web.language import language_of, speak
 from studyapp.web.site import site_of
 from tests.functional.browsing import IN_A_BROWSER, wait_until, watched_page
-from tests.functional.page_checks import LAPTOP, resize, video_sizes
+from tests.functional.page_checks import video_sizes
 from tests.functional.shown_studies import write_shown_study
 from tests.functional.taking_part import answer, first_trial, shown
 from tests.studyapp.web.brackets import bracketed, left_in_english
 from tests.studyapp.web.page_reader import PageReader
 
 pytestmark = IN_A_BROWSER
-
-SMALL_LAPTOP: ViewportSize = {"width": 1280, "height": 720}
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +30,6 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, tuple
         for name in ("sliders", "ranking", "ties"):
             write_shown_study(folder / name, name)
             studies[name] = stack.enter_context(shown(folder / name))
-        studies["test"] = stack.enter_context(shown(folder / "sliders", is_test=True))
         yield studies
 
 
@@ -196,17 +193,6 @@ def test_all_videos_stay_in_view_and_enlarging_them_is_not_sent(page: Page) -> N
     page.keyboard.press("l")
     expect(page.get_by_role("button", name="Larger videos")).to_be_visible()
     assert video_sizes(page) == {small}
-
-
-@pytest.mark.parametrize("page", ["test", "ranking"], indirect=True)
-def test_larger_videos_fit_the_window_with_their_buttons(page: Page) -> None:
-    page.get_by_role("button", name="Larger videos").click()
-    for size in (LAPTOP, SMALL_LAPTOP):
-        resize(page, size)
-        page.evaluate("scrollTo(0, 0)")
-        button, ending = (page.locator(each).first.bounding_box() for each in (".play", ".ending"))
-        assert button is not None and ending is not None
-        assert button["y"] + button["height"] <= ending["y"], size
 
 
 def line(page: Page, number: int = 0) -> Locator:
