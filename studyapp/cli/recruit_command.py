@@ -15,7 +15,7 @@ from studyapp.cli.arguments import EXISTING_FILE, StudyGroup, public_address, st
 from studyapp.cli.output import echo_table
 from studyapp.preflight.recruiting_checks import pay_findings
 from studyapp.recruitment import mturk, prolific
-from studyapp.recruitment.invitations import counts, invite, listed_people, numbered
+from studyapp.recruitment.invitations import counts, invite, listed_people
 from studyapp.recruitment.payment import PaymentDecision
 from studyapp.recruitment.prolific import CENTS
 from studyapp.recruitment.prolific_client import Action, ProlificClient, prolific_token
@@ -34,8 +34,6 @@ live = click.option(
     is_flag=True,
     help="Use Mechanical Turk itself, with real money, instead of its sandbox.",
 )
-
-MOST_INVITATIONS = 10_000
 
 _ACTIONS: Final = {"pay": "pay", "look": "your decision", "wait": "wait", "settled": "–"}
 
@@ -165,24 +163,21 @@ def return_(folder: StudyFolder, submissions: tuple[str, ...], reason: str) -> N
 
 @command.subcommand("invite")
 @address
-@click.option("--count", type=click.IntRange(1, MOST_INVITATIONS), help="Number of links.")
 @click.option(
     "--list",
     "people",
     type=EXISTING_FILE,
+    required=True,
     help="A CSV file with a header, and one person per row in its first column.",
 )
-def invite_(folder: StudyFolder, address: str, count: int | None, people: Path | None) -> None:
+def invite_(folder: StudyFolder, address: str, people: Path) -> None:
     """Make personal links and add them to invitations.csv in the study folder.
 
     Keep the table confidential: it alone says whose link is whose. Links cannot be shown again.
     """
     _channel(folder, "invitations")
-    if (count is None) == (people is None):
-        raise click.UsageError("Give either --count or --list.")
     table = folder.root / "invitations.csv"
-    names = numbered(count, table) if count is not None else listed_people(people or Path())
-    count = invite(folder, names, address, table)
+    count = invite(folder, listed_people(people), address, table)
     click.echo(f"Added {counted(count, 'link')} to {table}")
 
 

@@ -76,12 +76,6 @@ def counts(folder: StudyFolder) -> InvitationCounts:
         return invitation_counts(database)
 
 
-def numbered(count: int, out: Path) -> list[str]:
-    """Return names for `count` more links than the table `out` has."""
-    before = len(_read_links(out))
-    return [f"invitation {before + number}" for number in range(1, count + 1)]
-
-
 def listed_people(path: Path) -> list[str]:
     """Return the first column of a table with a heading.
 

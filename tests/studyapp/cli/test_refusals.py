@@ -64,7 +64,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "study s3://bucket --endpoint http://s3.example.org": "only load videos over https",
     },
     "recruit": {
-        "study invite --count 1 --address study.example.org": "not the address of a study",
+        "study create --address study.example.org": "not the address of a study",
     },
     "report": {
         "": "there is nothing to report",
@@ -80,7 +80,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "diffsheg --data . --out a.wav": "this file exists, but not the run",
     },
     "serve": {
-        "study --address https://x.org/o~e": "not a path that a study can be served below",
+        "study --address https://x.org/a%20b": "not a path that a study can be served below",
         "study --address x.org/one": "not the address of a study",
     },
     "export": {
