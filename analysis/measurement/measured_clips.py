@@ -213,14 +213,6 @@ class Reader:
         self.skipped: list[InputError] = []
         self.notes: list[str] = []
 
-    def clip(self, path: Path) -> MeasuredClip | None:
-        """Return the data of a motion file; None if it is unusable."""
-        return self.read_or_skip(self._measured, path)
-
-    def onsets(self, speech: Excerpt) -> Onsets | None:
-        """Return the onsets of an excerpt; None if it is unusable."""
-        return self.read_or_skip(self._onsets, speech)
-
     def read_or_skip(self, read: Callable[[_Source], _Data], source: _Source) -> _Data | None:
         """Return what `read` reads; if it cannot, list the file as skipped and return None."""
         try:
@@ -229,7 +221,8 @@ class Reader:
             self.skipped.append(error)
             return None
 
-    def _onsets(self, speech: Excerpt) -> Onsets:
+    def onsets(self, speech: Excerpt) -> Onsets:
+        """Return the onsets of an excerpt; raise `InputError` if it is unusable."""
         recording, start, end = speech
 
         def compute() -> Floats32:
@@ -241,7 +234,8 @@ class Reader:
         *times, duration = kept_array(self._setup.kept, ONSETS, (recording,), excerpt, compute)
         return Onsets(np.array(times, np.float64), float(duration))
 
-    def _measured(self, path: Path) -> MeasuredClip:
+    def clip(self, path: Path) -> MeasuredClip:
+        """Return the data of a motion file; raise `InputError` if it is unusable."""
         setup, preset = self._setup, self._setup.preset
         rate, motion = setup.frame_rate, setup.motion
         joints = self._kept(JOINTS, path, f"{rate!r} {motion}", lambda c: packed_joints(c, rate))

@@ -124,15 +124,17 @@ class SegmentScores:
 def segment_scores(files: SegmentFiles, setup: Setup) -> SegmentScores:
     """Measure all clips of one segment; unusable files are listed instead of raising an error."""
     reader, preset = Reader(setup), setup.preset
-    onsets = reader.onsets(files.speech) if preset.beats and files.speech else None
-    recorded = reader.clip(files.recorded) if files.recorded is not None else None
-    semantics = None
+    onsets = recorded = semantics = None
+    if preset.beats and files.speech:
+        onsets = reader.read_or_skip(reader.onsets, files.speech)
+    if files.recorded is not None:
+        recorded = reader.read_or_skip(reader.clip, files.recorded)
     if preset.correct and files.semantics is not None:
         semantics = reader.read_or_skip(read_semantic_scores, files.semantics)
     clips = {}
     for condition, path in files.clips.items():
         is_recorded = path == files.recorded
-        clip = recorded if is_recorded else reader.clip(path)
+        clip = recorded if is_recorded else reader.read_or_skip(reader.clip, path)
         if clip is not None:
             scores = _clip_metrics(
                 clip,
@@ -165,7 +167,8 @@ def _measurements(
 
 def recorded_extent(path: Path, setup: Setup) -> ClipExtent | None:
     """Return one recording's contribution to the spread of all; None if it cannot be read."""
-    clip = Reader(setup).clip(path)
+    reader = Reader(setup)
+    clip = reader.read_or_skip(reader.clip, path)
     if clip is None or clip.rotations is None:
         return None
     return ClipExtent.of(

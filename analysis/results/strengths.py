@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any, Final, Literal
@@ -19,7 +19,7 @@ from analysis.stats.samples import group_means
 from analysis.stats.strength_differences import difference_tests, omnibus, rank_intervals
 from analysis.stats.strength_models import Votes, bradley_terry, plackett_luce
 from analysis.stats.strengths import FittedStrengths
-from motion.arrays import Floats
+from motion.arrays import Floats, Indices
 
 ONE_SEGMENT: Final = "one segment: intervals and ranks hold for this segment alone"
 
@@ -157,8 +157,14 @@ def fit_strengths(
     )
     fit = bradley_terry(votes)
     no_ties = "nobody answered with a tie" if not fit.reason and math.isnan(fit.tie) else ""
+
+    def preferences(a: int, b: int) -> tuple[Floats, Indices]:
+        towards = np.where(votes.left == a, votes.outcome, -votes.outcome).astype(np.float64)
+        both = np.isin(votes.left, (a, b)) & np.isin(votes.right, (a, b))
+        return towards[both], votes.participant[both]
+
     segments = len(np.unique(votes.segment))
-    fields, differences = _results(fit, votes, set_name, question, segments, no_ties)
+    fields, differences = _results(fit, preferences, set_name, question, segments, no_ties)
     return BradleyTerryStrengths(
         tie=fit.tie, tie_error=fit.tie_error, left=fit.left, left_error=fit.left_error, **fields
     ), differences
@@ -179,44 +185,35 @@ def fit_worths(
         }
     )
     fit = plackett_luce(rows, names)
-    fields, differences = _results(
-        fit, _votes_of_rankings(rows, names), set_name, question, rows["segment"].nunique()
-    )
+
+    def preferences(a: int, b: int) -> tuple[Floats, Indices]:
+        ranks = rows.pivot(index="ranking", columns="condition", values="rank")
+        ahead = (ranks[names[b]] - ranks[names[a]]).dropna()
+        participants = rows.groupby("ranking")["participant"].first()[ahead.index]
+        return np.sign(ahead.to_numpy(np.float64)), participants.to_numpy()
+
+    segments = rows["segment"].nunique()
+    fields, differences = _results(fit, preferences, set_name, question, segments)
     return PlackettLuceWorths(ties=fit.ties, **fields), differences
 
 
 RANKING: Final = ["participant", "segment", "trial"]
 """Columns that identify a ranking."""
 
-
-def _votes_of_rankings(rows: pd.DataFrame, names: tuple[str, ...]) -> Votes:
-    """Return a vote for each pair of conditions in each ranking; the better placed one wins."""
-    table = rows.pivot(index="ranking", columns="condition", values="rank")[list(names)]
-    of_ranking = rows.groupby("ranking")[["participant", "segment"]].first().loc[table.index]
-    ranks = table.to_numpy(np.float64)
-    first, second = np.triu_indices(len(names), 1)
-    ranking, pair = np.nonzero(~np.isnan(ranks[:, first] + ranks[:, second]))
-    left, right = first[pair], second[pair]
-    return Votes(
-        conditions=names,
-        left=left,
-        right=right,
-        outcome=np.sign(ranks[ranking, right] - ranks[ranking, left]).astype(np.intp),
-        participant=of_ranking["participant"].to_numpy()[ranking],
-        segment=of_ranking["segment"].to_numpy()[ranking],
-    )
+_Preferences = Callable[[int, int], tuple[Floats, Indices]]
+"""Returns each preference for one condition over another, from -1 to 1, and its participant."""
 
 
 def _results(
     fit: FittedStrengths,
-    votes: Votes,
+    preferences: _Preferences,
     set_name: str | None,
     question: str,
     segments: int,
     remark: str = "",
 ) -> tuple[dict[str, Any], tuple[StrengthDifference, ...]]:
     """Return the fields of `StrengthModel`, and the difference of each pair of conditions."""
-    p_values = _p_values(fit, votes)
+    p_values = _p_values(fit, preferences)
     fields = {
         "conditions": _condition_strengths(fit, p_values),
         "omnibus": _omnibus(fit),
@@ -256,22 +253,15 @@ def _results(
     )
 
 
-def _p_values(fit: FittedStrengths, votes: Votes) -> Floats:
+def _p_values(fit: FittedStrengths, preferences: _Preferences) -> Floats:
     """Return p for each pair of conditions; from the sign test if one never lost to the other."""
     if fit.two_way is None:
         return np.full((len(fit.strengths),) * 2, math.nan)
     p_values = difference_tests(fit.strengths, fit.two_way)
     for a, b in combinations(range(len(fit.strengths)), 2):
         if fit.tiers[a] != fit.tiers[b]:
-            p_values[a, b] = p_values[b, a] = _sign_p(votes, a, b)
+            p_values[a, b] = p_values[b, a] = sign_test(group_means(*preferences(a, b))).p_value
     return p_values
-
-
-def _sign_p(votes: Votes, a: int, b: int) -> float:
-    """Return the sign test's p for participants' preferences of a over b; NaN without any."""
-    for_a = np.where(votes.left == a, votes.outcome, -votes.outcome).astype(np.float64)
-    both = ((votes.left == a) & (votes.right == b)) | ((votes.left == b) & (votes.right == a))
-    return sign_test(group_means(for_a[both], votes.participant[both])).p_value
 
 
 def _condition_strengths(fit: FittedStrengths, p_values: Floats) -> tuple[ConditionStrength, ...]:

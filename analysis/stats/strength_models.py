@@ -31,6 +31,8 @@ from analysis.stats.strengths import (
 )
 from motion.arrays import Bools, Floats, Indices
 
+ALL_TIED: Final = "every ranking ties all that it places"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Votes:
@@ -213,7 +215,7 @@ def plackett_luce(rankings: pd.DataFrame, conditions: Sequence[str]) -> Plackett
         participants=int(rankings["participant"].nunique()),
     )
     if all(remaining == chosen for remaining, chosen in stages):
-        return replace(unknown, reason="every ranking ties all that it places")
+        return replace(unknown, reason=ALL_TIED)
     if linked.unlinked:
         return replace(unknown, reason=linked.unlinked)
     sizes = sorted({len(chosen) for _, chosen in stages} - {1})

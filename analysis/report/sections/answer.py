@@ -112,7 +112,6 @@ def _preference_verdict(result: Comparison | MatchedCondition) -> Verdict:
         null=decision.null,
         size=abs(result.win_share.estimate - 0.5),
         why=decision.why,
-        no_interval=result.win_share.reason,
     )
 
 
@@ -124,7 +123,6 @@ def _verdict(
     null: float = 0.0,
     size: float | None = None,
     why: str = "",
-    no_interval: str | None = None,
 ) -> Verdict:
     """Return the outcome of a test; `null` is the estimate of no difference."""
     names = tuple(map(wording.condition, subject.names))
@@ -138,12 +136,10 @@ def _verdict(
     if isinstance(test, StrengthDifference) and test.by == "sign":
         reason = reason or _ALL_WON
     formatted = wording.share if null else number
-    if no_interval is None:
-        no_interval = reason
     if math.isnan(estimate):
-        numbers = f"– ({no_interval or 'no answers'})"
+        numbers = f"– ({reason or 'no answers'})"
     elif math.isnan(low):
-        numbers = f"{formatted(estimate)}, no interval: {no_interval}"
+        numbers = f"{formatted(estimate)}, no interval: {reason}"
     else:
         numbers = f"{formatted(estimate)}, {INTERVAL} {between(formatted(low), formatted(high))}"
     return Verdict(

@@ -40,6 +40,7 @@ from analysis.results.conditions import (
     RatingResults,
 )
 from analysis.results.strengths import ConditionStrength, StrengthModel
+from analysis.stats.strength_models import ALL_TIED
 
 MOST_PAIRS: Final = 15
 """Most pairs of conditions whose differences are drawn."""
@@ -247,7 +248,7 @@ def _ranking_section(results: RankingResults, set_name: str | None, suffix: str)
             answers=sum(c.n for c in conditions),
             participants=max(c.mean_rank.participants for c in conditions),
             tied="Every ranking ties all conditions: nobody ranked one above another"
-            if _are_tied(conditions)
+            if {fit.reason for fit in worths.values()} == {ALL_TIED}
             else "",
         ),
         pictures=lambda: (
@@ -284,18 +285,6 @@ def _ranking_bar(ranked: RankedCondition) -> Bar:
         ],
         ranked.mean_rank,
     )
-
-
-def _are_tied(conditions: Sequence[RankedCondition]) -> bool:
-    """Return whether every ranking ties all conditions."""
-    middle = (1 + len(conditions[0].rank_percent)) / 2
-    is_even = all(
-        c.mean_rank.estimate == middle and len({round(p, 9) for p in c.rank_percent.values()}) == 1
-        for c in conditions
-        if c.n
-    )
-    is_certain = all(c.mean_rank.standard_error == 0 or c.mean_rank.reason for c in conditions)
-    return is_even and is_certain
 
 
 def strength_pictures(

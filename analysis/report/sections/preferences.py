@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
-from typing import Final, TypeVar
+from typing import Final, NamedTuple, TypeVar
 
 from analysis.report import wording
 from analysis.report.content import FigureText, Picture, Section, Subject, Table, headline_section
@@ -43,27 +43,22 @@ OWN_AND_OTHER: Final = ("own speech", "other speech")
 ResultT = TypeVar("ResultT", Comparison, MatchedCondition)
 
 
-@dataclass(frozen=True, kw_only=True)
-class PreferenceRow:
+class PreferenceRow(NamedTuple):
     """The answers to one question about two sides.
 
     Attributes
     ----------
     label : str
         The row's name within its group.
+    names : tuple of str
+        The names of both sides.
     result : Comparison or MatchedCondition
         The result, seen from the first side.
     """
 
     label: str
+    names: tuple[str, ...]
     result: Comparison | MatchedCondition
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of both sides."""
-        if isinstance(self.result, MatchedCondition):
-            return OWN_AND_OTHER
-        return tuple(map(wording.condition, self.result.names))
 
     @property
     def levels(self) -> tuple[int, ...]:
@@ -78,10 +73,7 @@ class PreferenceRow:
     @property
     def sides(self) -> tuple[float, ...]:
         """Percent for first, for second and for neither; NaN without answers."""
-        if not self.result.n:
-            return (math.nan,) * 3
-        clearly, slightly, neither, slightly_second, clearly_second = self.percentages
-        return clearly + slightly, slightly_second + clearly_second, neither
+        return tuple(self.result.share.values())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,7 +158,7 @@ def pairwise_groups(results: PairwiseResults, reference: str | None) -> tuple[Pr
 def _row(comparison: Comparison, reference: str | None) -> PreferenceRow:
     result = comparison.mirrored() if comparison.b == reference else comparison
     label = wording.against(*result.names) if reference is None else wording.condition(result.b)
-    return PreferenceRow(label=label, result=result)
+    return PreferenceRow(label, tuple(map(wording.condition, result.names)), result)
 
 
 def reference_of(comparisons: Sequence[Comparison], reference: str | None) -> str | None:
@@ -192,7 +184,7 @@ def mismatch_groups(results: MismatchResults) -> tuple[PreferenceGroup, ...]:
         _group(
             names,
             "conditions.csv",
-            [PreferenceRow(label=wording.condition(c.condition), result=c) for c in conditions],
+            [PreferenceRow(wording.condition(c.condition), OWN_AND_OTHER, c) for c in conditions],
         )
         for conditions in _by_set(results.conditions)
     )

@@ -74,7 +74,7 @@ def test_motion_its_face_file_rate_and_frozen_channels_are_part_of_the_cache_key
     def kept_after(rate: float, *frozen: str, own_files: bool = True) -> int:
         motion = SeenMotion(frozen=frozen, own_files=own_files)
         setup = Setup(frame_rate=rate, motion=motion, preset=Preset(), kept=tmp_path / "kept")
-        assert Reader(setup).clip(path) is not None
+        Reader(setup).clip(path)
         return len(list((tmp_path / "kept").iterdir()))
 
     path = tmp_path / "a.npz"

@@ -17,8 +17,6 @@ SEGMENT = Segment(
 def subject_of(report: TableReport, **changes: Any) -> Subject:
     """Return the subject of a report on a finished study with participants."""
     known: dict[str, Any] = {
-        "title": "Which motion?",
-        "origin": "participants",
         "protocol": report.protocol,
         "conditions": report.conditions_shown,
         "questions": dict.fromkeys(report.questions, "Which fits {emotion} better?"),
@@ -26,7 +24,13 @@ def subject_of(report: TableReport, **changes: Any) -> Subject:
         "study_sha256": "abc",
         "seed": 7,
     }
-    return Subject(**(known | changes))
+    return bare_subject(**(known | changes))
+
+
+def bare_subject(**known: Any) -> Subject:
+    """Return the subject of a report on people's answers."""
+    usual = {"title": "Which motion?", "origin": "participants", "questions": {}}
+    return Subject(**(usual | known))
 
 
 def headline(report: TableReport, **changes: object) -> tuple[Section, ...]:

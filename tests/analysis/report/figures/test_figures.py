@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
-from typing import Any, cast
 
 import matplotlib as mpl
+import numpy as np
 import pytest
 from markupsafe import Markup
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -46,14 +46,14 @@ from analysis.report.figures.style import (
 )
 from analysis.report.sections.against_people import agreement_pictures
 from analysis.report.wording import labelled
-from analysis.results.against_people import MetricAgainstPeople, ScoredCondition
+from analysis.results.against_people import against_people
 from analysis.stats.clustered_mean import Estimate
 from tests.analysis.report.sections.reading import drawn, told
+from tests.analysis.results.simulated_studies import AgreeingStudy
 
 SCALE = Scale(limits=(0, 1), ticks={0: "0", 1: "1"}, label="win share")
 TEXT = FigureText(name="forest", title="A forest", caption="Effects.")
 LONG = "a condition whose name is so long that it has to be broken into several lines"
-NONE = cast(Any, None)
 
 NAMES = (
     "AMUSE",
@@ -259,27 +259,14 @@ def test_matrices(figures: list[Figure], count: int) -> None:
 
 
 def test_metrics_beside_preference(figures: list[Figure]) -> None:
-    names = [f"{k} {LONG}" for k in range(12)]
+    study = AgreeingStudy(conditions=12).drawn(np.random.default_rng(1))
+    [metric] = against_people("rating", *study, resamples=20).metrics
     directions: tuple[Better, ...] = ("higher", "lower", "near the reference", "lower")
     metrics = [
-        MetricAgainstPeople(
-            metric=f"metric {k} {LONG}",
-            unit="m/s",
-            better=better,
-            conditions=12,
-            recorded=0.3,
-            left_out={},
-            places=tuple(
-                ScoredCondition(
-                    condition=name, score=123.4 * at, preference=-at, low=-at - 1, high=-at + 1
-                )
-                for at, name in enumerate(names)
-            ),
-            kendall=NONE,
-            spearman=NONE,
-            within=NONE,
-        )
+        replace(metric, metric=f"metric {k} {LONG}", better=better, recorded=0.3)
         for k, better in enumerate(directions)
     ]
-    agreement_pictures(metrics, names, "strength (logits)", TEXT)
+    names = [place.condition for place in metric.places]
+    with labelled({name: f"{name} {LONG}" for name in names}):
+        agreement_pictures(metrics, names, "strength (logits)", TEXT)
     check(figures)

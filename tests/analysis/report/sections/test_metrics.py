@@ -16,10 +16,11 @@ from analysis.metrics.scores import (
     StudyMetrics,
     whole_condition,
 )
-from analysis.report.content import Subject, Table
+from analysis.report.content import Table
 from analysis.report.sections.metric_table import first_and_second
 from analysis.report.sections.metrics import confusion_tables, metric_tables, metrics_not_tabled
 from motion.errors import InputError
+from tests.analysis.report.subjects import bare_subject
 
 NAMES = ("ground_truth", "ours", "camn", "broken")
 GEN = {"ours": True, "camn": False}
@@ -56,16 +57,9 @@ def tables(
     metrics = StudyMetrics(
         frame_rate=30.0, clips=(), conditions=tuple(s for own in found for s in own)
     )
-    subject = Subject(
-        title="study",
-        origin="participants",
-        protocol=protocol,
-        conditions=("ours", "camn", "ground_truth"),
-        questions={"realism": ""},
-        recorded="ground_truth",
-        broken="broken",
-        **settings,
-    )
+    conditions = ("ours", "camn", "ground_truth")
+    unranked = {"recorded": "ground_truth", "broken": "broken"}
+    subject = bare_subject(protocol=protocol, conditions=conditions, **unranked, **settings)
     return metric_tables(metrics, protocol, subject)
 
 

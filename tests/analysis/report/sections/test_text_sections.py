@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from analysis.answers.exclusion_rules import watched_less
-from analysis.report.content import Section, Still, Subject
+from analysis.report.content import Section, Still
 from analysis.report.sections.answer import answer, certainty, limits_section, methods_section
 from analysis.report.sections.participants import (
     diagnostics_section,
@@ -23,7 +23,7 @@ from analysis.results.known_values import KnownValue, match_values
 from analysis.results.pairwise import PairwiseResults
 from analysis.stats.multiple_testing import Look, looks_before
 from tests.analysis.report.sections.reading import present
-from tests.analysis.report.subjects import SEGMENT, subject_of
+from tests.analysis.report.subjects import SEGMENT, bare_subject, subject_of
 from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table, report_of
 
 SENTENCE = "Results were looked at 2 times before these answers were complete, at 2 and 4 finished"
@@ -162,35 +162,22 @@ def stills(*conditions: str, **settings: Any) -> Section | None:
         for name in conditions
         for seconds in (0.4, 1.25)
     )
-    subject = Subject(
-        title="study",
-        origin="participants",
-        protocol="rating",
-        conditions=("ours", "theirs"),
-        questions={},
-        excerpts={"s1": replace(SEGMENT, transcript="Put them into <detention>.")},
-        stills=shown,
-        **settings,
-    )
-    return stills_section(subject)
+    excerpts = {"s1": replace(SEGMENT, transcript="Put them into <detention>.")}
+    both = {"protocol": "rating", "conditions": ("ours", "theirs")}
+    return stills_section(bare_subject(**both, excerpts=excerpts, stills=shown, **settings))
 
 
-def test_each_condition_is_a_row_of_stills_with_alternative_texts() -> None:
+def test_each_condition_is_a_row_of_stills_or_named_with_a_reason() -> None:
     section = present(stills("ours", "<b>theirs</b>"))
     (strip,) = section.pictures
     assert strip.svg.count("<img ") == 4
-    assert 'alt="ours after 1.2 seconds"' in strip.svg
-    assert '<th scope="col">0.4 s</th>' in strip.svg
-    assert '<th scope="row">ours</th>' in strip.svg
+    for part in ('alt="ours after 1.2 seconds"', '<th scope="col">0.4 s</th>'):
+        assert part in strip.svg
     assert "<b>" not in strip.svg
     assert "“Put them into <detention>.”" in section.paragraphs[0]
-
-
-def test_a_condition_without_stills_is_named_with_a_reason() -> None:
     of_ours = present(stills("ours"))
-    of_none = present(stills(no_stills="There are no videos yet."))
     assert of_ours.paragraphs[1] == "There is no readable video of this segment for theirs."
-    assert of_none.paragraphs == ("There are no videos yet.",)
+    assert present(stills(no_stills="No videos.")).paragraphs == ("No videos.",)
     assert stills() is None
 
 
