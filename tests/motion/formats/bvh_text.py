@@ -10,7 +10,6 @@ import numpy as np
 
 from motion.formats.bvh import read_bvh
 from motion.formats.bvh_motion import BvhMotion
-from motion.skeleton import JOINT_NAMES, PARENTS, REST_JOINTS
 
 Skeleton = Sequence[tuple[str, str | None, tuple[float, float, float]]]
 """Joints as (name, parent, offset), depth first."""
@@ -64,38 +63,10 @@ def read_chain(folder: Path, rows: np.ndarray, **options: Any) -> BvhMotion:
     return read_bvh(save_bvh_text(folder / "a.bvh", bvh_text(CHAIN, rows, **options)))
 
 
-def smplx_skeleton(scale: float = 100, turn: np.ndarray | None = None) -> Skeleton:
-    """Return SMPL-X's own skeleton as BVH joints, scaled, with every offset turned by `turn`."""
-    turn = np.eye(3) if turn is None else turn
-
-    def offset(index: int) -> tuple[float, float, float]:
-        parent = PARENTS[index]
-        bone = REST_JOINTS[index] - (REST_JOINTS[parent] if parent >= 0 else 0)
-        x, y, z = scale * turn @ bone
-        return (x, y, z)
-
-    return [
-        (name, JOINT_NAMES[PARENTS[index]] if index else None, offset(index))
-        for index, name in enumerate(JOINT_NAMES)
-    ]
-
-
-def depth_first(skeleton: Skeleton) -> list[str]:
-    """Return the joint names in the order of a BVH file's columns."""
-
-    def below(name: str) -> list[str]:
-        return [
-            name,
-            *(joint for child, parent, _ in skeleton if parent == name for joint in below(child)),
-        ]
-
-    return below(next(name for name, parent, _ in skeleton if parent is None))
-
-
 def columns_of(skeleton: Skeleton, angles: Mapping[str, Sequence[float]]) -> np.ndarray:
     """Return one row with the given rotation angles (in channel order), else zero."""
     row = np.zeros(3 + 3 * len(skeleton))
-    order = depth_first(skeleton)
+    order = [name for name, *_ in skeleton]
     for name, values in angles.items():
         first = 3 + 3 * order.index(name)
         row[first : first + 3] = values

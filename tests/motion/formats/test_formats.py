@@ -7,15 +7,18 @@ import pytest
 
 from motion.errors import InputError
 from motion.formats import read_clip, read_motion, write_clip
-from motion.skeleton import FINGERS, RELAXED_HANDS, joint_index
-from tests.motion.formats.bvh_text import CHAIN, bvh_text, columns_of, save_bvh_text, smplx_skeleton
-from tests.motion.random_clips import assert_same_clip
+from motion.formats.bvh_motion import write_clip_bvh
+from motion.skeleton import FINGERS, RELAXED_HANDS, REST_JOINTS, joint_index
+from tests.motion.formats.bvh_text import CHAIN, bvh_text, save_bvh_text
+from tests.motion.random_clips import assert_same_clip, clip_of
 
 
 def person_bvh(path: Path, frames: int | None = None) -> Path:
-    skeleton = smplx_skeleton()
-    rows = np.stack([columns_of(skeleton, {"left_elbow": (k, 0, 0)}) for k in (10, 20)])
-    return save_bvh_text(path, bvh_text(skeleton, rows, frames=frames))
+    poses = np.zeros((2, 55, 3))
+    poses[:, joint_index("left_elbow"), 2] = np.radians([10, 20])
+    write_clip_bvh(path, clip_of(poses), REST_JOINTS)
+    text = path.read_text()
+    return save_bvh_text(path, text.replace("Frames: 2", f"Frames: {frames}") if frames else text)
 
 
 @pytest.mark.parametrize("ending", ["bvh", "npz"])

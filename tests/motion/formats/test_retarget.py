@@ -14,12 +14,10 @@ from motion.body.skinning import twist_angles
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion
-from motion.formats.bvh import parse_hierarchy
-from motion.formats.bvh_motion import BvhMotion
-from motion.formats.joint_maps import JOINT_MAPS, JointMap
+from motion.formats.bvh_motion import BvhJoint, BvhMotion
+from motion.formats.joint_maps import JOINT_MAPS
 from motion.formats.retarget import retarget
-from motion.skeleton import JOINT_NAMES, REST_JOINTS, forward_kinematics, joint_index
-from tests.motion.formats.bvh_text import Skeleton, bvh_text, depth_first, smplx_skeleton
+from motion.skeleton import JOINT_NAMES, PARENTS, REST_JOINTS, forward_kinematics, joint_index
 
 OWN = JOINT_MAPS["smplx"]
 LIMB_BONES = [
@@ -33,31 +31,49 @@ LIMB_BONES = [
 ]
 
 
-def bvh_motion(skeleton: Skeleton, turns: Rotation, root: np.ndarray | None = None) -> BvhMotion:
-    """Return a motion of `skeleton` with `turns` (T * J, in file order) as its rotations."""
-    lines = bvh_text(skeleton, np.zeros((0, 0))).splitlines()
-    joints = parse_hierarchy(list(enumerate(lines))[1 : lines.index("MOTION")], Path("a.bvh"))
+Offset = tuple[float, float, float]
+Skeleton = dict[str, Offset]
+"""Offsets of SMPL-X's joints, in centimetres."""
+
+TURNS = ("Zrotation", "Xrotation", "Yrotation")
+ROOT = ("Xposition", "Yposition", "Zposition", *TURNS)
+
+
+def changed(
+    change: Callable[[str, Offset], Offset] = lambda _, offset: offset, scale: float = 100
+) -> Skeleton:
+    """Return SMPL-X's skeleton with every offset changed by `change`."""
+    bones = REST_JOINTS - np.where(np.array(PARENTS)[:, None] < 0, 0, REST_JOINTS[list(PARENTS)])
+    return {
+        name: change(name, (x, y, z))
+        for name, (x, y, z) in zip(JOINT_NAMES, (scale * bones).tolist(), strict=True)
+    }
+
+
+def bvh_motion(
+    skeleton: Skeleton, turns: Rotation, root: np.ndarray | None = None, prefix: str = ""
+) -> BvhMotion:
+    """Return a motion with `turns` (T * J) as its rotations; `prefix` is put before all names."""
+    names = [prefix + name for name in skeleton]
+    joints = []
+    for name, offset in skeleton.items():
+        parent = PARENTS[joint_index(name)]
+        place = names.index(prefix + JOINT_NAMES[parent]) if parent >= 0 else -1
+        channels = TURNS if parent >= 0 else ROOT
+        joints.append(BvhJoint(name=prefix + name, parent=place, offset=offset, channels=channels))
     angles = turns.as_euler("ZXY", degrees=True).reshape(-1, 3 * len(joints))
     root = np.zeros((len(angles), 3)) if root is None else root
-    return BvhMotion(joints=joints, values=np.hstack([root, angles]), frame_rate=30)
+    return BvhMotion(joints=tuple(joints), values=np.hstack([root, angles]), frame_rate=30)
 
 
-def random_turns(skeleton: Skeleton, frames: int, seed: int) -> Rotation:
+def random_turns(frames: int, seed: int) -> Rotation:
     rng = np.random.default_rng(seed)
-    return Rotation.from_rotvec(rng.uniform(-0.8, 0.8, (frames * len(skeleton), 3)))
+    return Rotation.from_rotvec(rng.uniform(-0.8, 0.8, (frames * len(JOINT_NAMES), 3)))
 
 
-Offset = tuple[float, float, float]
-
-
-def changed(change: Callable[[str, Offset], Offset], scale: float = 100) -> Skeleton:
-    """Return SMPL-X's skeleton with every offset changed by `change`."""
-    return [(name, parent, change(name, offset)) for name, parent, offset in smplx_skeleton(scale)]
-
-
-def at_rest(skeleton: Skeleton, joint_map: JointMap = OWN) -> MotionClip:
+def at_rest(skeleton: Skeleton) -> MotionClip:
     """Return a frame of `skeleton` in its rest pose."""
-    return retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), joint_map)
+    return retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
 
 
 def turned_by(axis: str, degrees: float, offset: Offset) -> Offset:
@@ -85,12 +101,9 @@ def directions(positions: np.ndarray, start: int, end: int) -> np.ndarray:
 @given(st.integers(0, 999))
 @settings(max_examples=20)
 def test_retargeting_smplx_motion_changes_nothing(seed: int) -> None:
-    skeleton = smplx_skeleton()
-    turns = random_turns(skeleton, 3, seed)
-    clip = retarget(bvh_motion(skeleton, turns), OWN)
-    places = [depth_first(skeleton).index(name) for name in JOINT_NAMES]
-    expected = turns.as_rotvec().reshape(3, -1, 3)[:, places]
-    np.testing.assert_allclose(clip.poses, expected, atol=1e-5)
+    turns = random_turns(3, seed)
+    clip = retarget(bvh_motion(changed(), turns), OWN)
+    np.testing.assert_allclose(clip.poses, turns.as_rotvec().reshape(3, -1, 3), atol=1e-5)
 
 
 @given(seed=st.integers(0, 999), droop=st.floats(-80, 60), spread=st.floats(0, 20))
@@ -104,7 +117,7 @@ def test_limbs_keep_the_sources_directions_for_any_rest_pose(
         return turned_by("z", sign_of(name) * angle, offset)
 
     skeleton = changed(bent)
-    motion = bvh_motion(skeleton, random_turns(skeleton, 4, seed))
+    motion = bvh_motion(skeleton, random_turns(4, seed))
     clip = retarget(motion, OWN)
     source, _ = motion.forward_kinematics()
     target, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
@@ -134,25 +147,25 @@ def test_palms_face_as_the_sources_fingers_imply() -> None:
     ],
 )
 def test_axes_of_the_source_only_turn_the_root(turn: Rotation) -> None:
-    turns = random_turns(smplx_skeleton(), 3, 1)
-    turned = bvh_motion(smplx_skeleton(turn=turn.as_matrix()), turn * turns * turn.inv())
-    clips = [retarget(bvh_motion(smplx_skeleton(), turns), OWN), retarget(turned, OWN)]
+    turns = random_turns(3, 1)
+    skeleton = changed(lambda _, offset: tuple(turn.apply(offset)))
+    turned = bvh_motion(skeleton, turn * turns * turn.inv())
+    clips = [retarget(bvh_motion(changed(), turns), OWN), retarget(turned, OWN)]
     np.testing.assert_allclose(clips[0].poses[:, 1:], clips[1].poses[:, 1:], atol=1e-5)
     roots = [Rotation.from_rotvec(clip.poses[:, 0]) for clip in clips]
     assert ((turn * roots[0]).inv() * roots[1]).magnitude().max() < 1e-5
 
 
 def test_joints_without_a_source_follow_their_parent() -> None:
-    skeleton = smplx_skeleton()
     joint_map = {name: name for name in JOINT_NAMES if "index" not in name and name != "spine2"}
-    clip = retarget(bvh_motion(skeleton, random_turns(skeleton, 2, 0)), joint_map)
+    clip = retarget(bvh_motion(changed(), random_turns(2, 0)), joint_map)
     for name in set(JOINT_NAMES) - set(joint_map):
         np.testing.assert_allclose(clip.poses[:, joint_index(name)], 0, atol=1e-6)
 
 
 @pytest.mark.parametrize("scale", [1, 2.54, 100, 1000])
 def test_length_unit_and_body_size_do_not_matter(scale: float) -> None:
-    skeleton = smplx_skeleton(scale)
+    skeleton = changed(scale=scale)
     root = scale * np.array([[0, 0, 0], [0.1, 0.2, 0.3]])
     motion = bvh_motion(skeleton, Rotation.identity(2 * len(skeleton)), root)
     np.testing.assert_allclose(retarget(motion, OWN).trans, root / scale, atol=1e-5)
@@ -186,30 +199,22 @@ def test_leaning_spines_and_zero_length_fingers_at_rest_rotate_nothing(
 def test_a_skeleton_without_legs_is_scaled_by_its_arms() -> None:
     legs = ("hip", "knee", "ankle", "foot")
     above = {name: name for name in JOINT_NAMES if not name.endswith(legs)}
-    skeleton = [bone for bone in smplx_skeleton(50) if bone[0] in above]
+    skeleton = {name: offset for name, offset in changed(scale=50).items() if name in above}
     root = np.array([[50.0, 0, 0]])
     clip = retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton)), root), above)
     np.testing.assert_allclose(clip.trans, [[1, 0, 0]], atol=1e-6)
     assert not clip.poses[:, joint_index("left_knee")].any()
 
 
-def _renamed(joint_map: JointMap) -> tuple[Skeleton, JointMap]:
-    """Return SMPL-X's skeleton under other names, and the map to them."""
-    named = {name: f"x_{name}" for name in joint_map}
-    skeleton = [
-        (named[name], None if parent is None else named[parent], offset)
-        for name, parent, offset in smplx_skeleton()
-    ]
-    return skeleton, named
+FOREIGN = {name: f"x_{name}" for name in JOINT_NAMES}
 
 
 @given(st.integers(0, 999))
 @settings(max_examples=20)
 def test_elbow_and_wrist_share_the_twist_of_a_foreign_forearm(seed: int) -> None:
-    skeleton, named = _renamed(OWN)
-    motion = bvh_motion(skeleton, random_turns(skeleton, 3, seed))
-    own = Rotation.from_matrix(motion.local_rotations().reshape(-1, 3, 3))
-    clip, same = retarget(motion, named), retarget(bvh_motion(smplx_skeleton(), own), OWN)
+    turns_at_joints = random_turns(3, seed)
+    clip = retarget(bvh_motion(changed(), turns_at_joints, prefix="x_"), FOREIGN)
+    same = retarget(bvh_motion(changed(), turns_at_joints), OWN)
     turns = [forward_kinematics(each.poses, each.trans, REST_JOINTS)[1] for each in (clip, same)]
     for side in ("left", "right"):
         elbow, wrist = joint_index(f"{side}_elbow"), joint_index(f"{side}_wrist")
@@ -225,16 +230,13 @@ def test_elbow_and_wrist_share_the_twist_of_a_foreign_forearm(seed: int) -> None
 
 
 def test_a_forearm_that_twists_past_half_a_turn_does_not_jump() -> None:
-    skeleton, named = _renamed(OWN)
-    order = depth_first(skeleton)
     elbow, wrist = joint_index("left_elbow"), joint_index("left_wrist")
     axis = REST_JOINTS[wrist] - REST_JOINTS[elbow]
-    vectors = np.zeros((31, len(order), 3))
+    vectors = np.zeros((31, 55, 3))
     degrees = np.linspace(150, 210, len(vectors))
-    vectors[:, order.index(named["left_elbow"])] = (
-        np.radians(degrees)[:, None] * axis / np.linalg.norm(axis)
-    )
-    clip = retarget(bvh_motion(skeleton, Rotation.from_rotvec(vectors.reshape(-1, 3))), named)
+    vectors[:, elbow] = np.radians(degrees)[:, None] * axis / np.linalg.norm(axis)
+    motion = bvh_motion(changed(), Rotation.from_rotvec(vectors.reshape(-1, 3)), prefix="x_")
+    clip = retarget(motion, FOREIGN)
     for joint in (elbow, wrist):
         turns = Rotation.from_rotvec(clip.poses[:, joint])
         assert np.degrees((turns[:-1].inv() * turns[1:]).magnitude()).max() < 1.1
@@ -245,16 +247,14 @@ def _in_t_pose(calibration: dict[str, float], heading: float = 0) -> MotionClip:
 
     In the frame these joints are pitched as they were in the T-pose.
     """
-    skeleton = smplx_skeleton()
-    order = depth_first(skeleton)
-    vectors = np.zeros((len(order), 3))
+    vectors = np.zeros((55, 3))
     for name, pitch in calibration.items():
-        vectors[order.index(name), 0] = np.radians(pitch)
+        vectors[joint_index(name), 0] = np.radians(pitch)
     turns = Rotation.from_rotvec(vectors)
     turns = Rotation.concatenate(
         [Rotation.from_euler("y", heading, degrees=True) * turns[0], *turns[1:]]
     )
-    motion = bvh_motion(skeleton, turns)
+    motion = bvh_motion(changed(), turns)
     return retarget(replace(motion, calibration=motion.values[0]), OWN)
 
 

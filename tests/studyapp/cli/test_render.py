@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import Any
 
 import av
-import numpy as np
 import pytest
 import trimesh
 
 from motion.audio import read_audio
 from motion.formats import read_motion
+from motion.formats.bvh_motion import write_clip_bvh
+from motion.skeleton import JOINT_NAMES, REST_JOINTS
 from studyapp.stimuli import rendering
 from studyapp.stimuli.render_record import RenderCount
-from tests.motion.formats.bvh_text import bvh_text, columns_of, save_bvh_text, smplx_skeleton
+from tests.motion.random_clips import random_clip
 from tests.support.command_line import refused, run, run_in_terminal
 from tests.support.encoded import pictures_of
 from tests.support.servers.s3_stand_in import BUCKET, SECRET, Store
@@ -57,12 +59,10 @@ def test_all_processors_are_used_by_default_and_failures_are_printed(
 @pytest.fixture
 def unknown_skeleton(tmp_path: Path) -> Path:
     """Return a BVH with unknown names of joints."""
-    skeleton = [
-        ("x" + name, None if parent is None else "x" + parent, offset)
-        for name, parent, offset in smplx_skeleton()
-    ]
-    rows = np.stack([columns_of(skeleton, {"xleft_elbow": (k, 0, 0)}) for k in range(20)])
-    return save_bvh_text(tmp_path / "wave.bvh", bvh_text(skeleton, rows))
+    path = tmp_path / "wave.bvh"
+    write_clip_bvh(path, random_clip(20), REST_JOINTS)
+    path.write_text(re.sub("(ROOT|JOINT) ", r"\1 x", path.read_text()))
+    return path
 
 
 def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(
@@ -74,7 +74,7 @@ def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(
     assert "skeleton is unknown" in error
     assert "--joints FILE" in error
     joints = tmp_path / "joints.toml"
-    joints.write_text("".join(f'{name} = "x{name}"\n' for name, *_ in smplx_skeleton()))
+    joints.write_text("".join(f'{name} = "x{name}"\n' for name in JOINT_NAMES))
     run(*arguments, "--joints", joints)
     with av.open(str(tmp_path / "out" / "wave.mp4")) as video:
         assert {stream.type for stream in video.streams} == {"video", "audio"}

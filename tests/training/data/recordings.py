@@ -11,7 +11,7 @@ import soundfile
 from motion.clip import ARKIT_NAMES
 from motion.formats.beat_tracks import write_arkit_json
 from motion.skeleton import JOINT_COUNT, joint_index
-from tests.motion.formats.bvh_text import Skeleton, bvh_text, depth_first, save_bvh_text
+from tests.motion.formats.bvh_text import Skeleton, bvh_text, save_bvh_text
 from training.data.take import Feature, Take
 from training.spaces.beat import BEAT_SKELETON
 
@@ -65,7 +65,7 @@ def write_beat_motion(
     path.parent.mkdir(parents=True, exist_ok=True)
     frames = round(seconds * rate)
     rows = np.zeros((frames, 3 + 3 * len(SKELETON)))
-    arm = 3 + 3 * depth_first(SKELETON).index("RightArm")
+    arm = 3 + 3 * [joint.name for joint in BEAT_SKELETON].index("RightArm")
     rows[is_down(moments, frames, rate), arm + 2] = DOWN
     return save_bvh_text(
         path, bvh_text(SKELETON, rows, order="XYZ", frame_time=f"{1 / 120:.6f}", frames=promised)
