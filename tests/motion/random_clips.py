@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
@@ -17,23 +18,12 @@ Numbers = NDArray[np.floating]
 
 
 def clip_of(
-    poses: Numbers,
-    trans: Numbers | None = None,
-    frame_rate: float = 30,
-    *,
-    betas: Numbers | None = None,
-    expressions: Numbers | None = None,
-    arkit: Numbers | None = None,
+    poses: Numbers, trans: Numbers | None = None, frame_rate: float = 30, **more: Numbers | None
 ) -> MotionClip:
     """Return the clip of `poses`, shape (T, 55, 3); it stays at the origin without `trans`."""
-    return MotionClip(
-        poses=poses.astype(np.float32),
-        trans=np.zeros((len(poses), 3), np.float32) if trans is None else trans.astype(np.float32),
-        frame_rate=frame_rate,
-        betas=np.zeros(0, np.float32) if betas is None else betas.astype(np.float32),
-        expressions=None if expressions is None else expressions.astype(np.float32),
-        arkit=None if arkit is None else arkit.astype(np.float32),
-    )
+    still = np.zeros((len(poses), 3))
+    arrays: dict[str, Any] = {"poses": poses, "trans": still if trans is None else trans, **more}
+    return MotionClip(frame_rate=frame_rate, **arrays)
 
 
 def largest_angle(
