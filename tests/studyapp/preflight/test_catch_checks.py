@@ -14,6 +14,7 @@ from studyapp.preflight.catch_checks import (
     catch_motion_findings,
     motion_difference,
 )
+from tests.motion.random_clips import clip_of
 from tests.support.studies.made_study import make_study
 
 FRAMES = 40
@@ -26,8 +27,7 @@ def swing(radians: float, shake: float = 0.0) -> MotionClip:
     for side in ("left", "right"):
         poses[:, joint_index(f"{side}_shoulder"), 2] = radians * np.sin(moments)
     poses += np.random.default_rng(1).normal(0, shake, poses.shape)
-    still = np.zeros((FRAMES, 3), np.float32)
-    return MotionClip(poses=poses.astype(np.float32), trans=still, frame_rate=20)
+    return clip_of(poses, frame_rate=20)
 
 
 def check(flawed: MotionClip, **changes: object) -> Mapping[str, str]:

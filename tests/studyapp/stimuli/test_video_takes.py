@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from motion.audio import Audio
-from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion, write_clip
 from motion.points.detection import Detection
@@ -16,7 +15,7 @@ from renderer.encoder import SOUND_RATE
 from studyapp.stimuli import video_takes
 from studyapp.stimuli.video_takes import import_video
 from studyapp.study.folder import StudyFolder
-from tests.motion.random_clips import random_clip
+from tests.motion.random_clips import clip_of
 from tests.support.command_line import refused, run
 from tests.support.encoded import VideoRecipe, write_video
 from training.data.folders import read_takes
@@ -128,19 +127,10 @@ def test_takes_need_a_separate_folder_and_no_other_options(
 @pytest.mark.slow
 def test_the_detector_finds_our_avatar(tmp_path: Path) -> None:
     pytest.importorskip("mediapipe")
-    clip = random_clip(90, 30)
-    poses = np.zeros((90, 55, 3), np.float32)
-    poses += 0.15 * np.sin(np.arange(90) / 10)[:, None, None]
+    poses = np.tile(0.15 * np.sin(np.arange(90) / 10)[:, None, None], (1, 55, 3))
     for side, sign in (("left", 1), ("right", -1)):
         poses[:, joint_index(f"{side}_shoulder"), 2] -= sign * 1.1
-    assert clip.arkit is not None
-    still = MotionClip(
-        poses=poses,
-        trans=np.zeros((90, 3), np.float32),
-        frame_rate=30,
-        arkit=np.zeros_like(clip.arkit),
-    )
-    write_clip(tmp_path / "clip.npz", still)
+    write_clip(tmp_path / "clip.npz", clip_of(poses, arkit=np.zeros((90, 52))))
     options = ("--size", 360, "--framing", "upper_body", "--out", tmp_path)
     run("preview", tmp_path / "clip.npz", *options)
     made = import_video(tmp_path / "clip.mp4", tmp_path / "takes", speaker=None, on_frame=quietly)
