@@ -17,7 +17,8 @@ from analysis.metrics.kinematics import ARM_JOINTS, WRISTS, joint_motion, select
 from analysis.stats.samples import bootstrap_counts, percentile_interval
 from motion.audio_analysis import DETECTOR
 from motion.clip import ARKIT_NAMES, MotionClip
-from training.corpus.truth import correlate_curves, mean_speed
+from tools.corpus_page.measuring import correlate_curves
+from training.corpus.truth import mean_speed
 
 FloatArray = NDArray[np.float64]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from operator import attrgetter
@@ -12,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.arrays import Floats
 from motion.audio import read_audio
 from motion.errors import InputError
 from motion.formats.beat_tracks import read_arkit_json
@@ -22,7 +24,6 @@ from training.corpus.process import VERSION
 from training.corpus.speech_curves import SpeechCurves, analyse
 from training.corpus.truth import (
     MotionCurves,
-    correlate_curves,
     curves_of,
     wrist_positions,
 )
@@ -202,6 +203,15 @@ def read_request(folder: Path) -> CorpusRequest:
         )
     names = [field.name for field in fields(CorpusRequest)]
     return CorpusRequest(**{name: content[name] for name in names})
+
+
+def correlate_curves(motion: Floats, reference: Floats) -> float:
+    """Return the correlation of two curves (T,), over their common frames; NaN for a constant."""
+    frames = min(len(motion), len(reference))
+    motion, reference = motion[:frames], reference[:frames]
+    if frames < 3 or min(np.ptp(motion), np.ptp(reference)) < 1e-9:
+        return math.nan
+    return float(np.corrcoef(motion, reference)[0, 1])
 
 
 def _measured(folder: Path, plan: PlannedTake) -> MeasuredTake:

@@ -1,4 +1,4 @@
-"""The curves of a motion that the corpus' speech drives, and the correlation of two of them.
+"""The curves of a motion that the corpus' speech drives.
 
 They can be computed from any motion in BEAT's format, so that
 a network's motion can be compared with the process.
@@ -6,7 +6,6 @@ a network's motion can be compared with the process.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -78,15 +77,6 @@ def wrist_positions(body: Floats) -> Floats:
     positions, _ = motion.forward_kinematics()
     wrists = [motion.joint_names.index(f"{side}Hand") for side in ("Right", "Left")]
     return positions[:, wrists] / _CENTIMETRES
-
-
-def correlate_curves(motion: Floats, reference: Floats) -> float:
-    """Return the correlation of two curves (T,), over their common frames; NaN for a constant."""
-    frames = min(len(motion), len(reference))
-    motion, reference = motion[:frames], reference[:frames]
-    if frames < 3 or min(np.ptp(motion), np.ptp(reference)) < 1e-9:
-        return math.nan
-    return float(np.corrcoef(motion, reference)[0, 1])
 
 
 def mean_speed(positions: Floats, frame_rate: float) -> Floats:

@@ -12,7 +12,7 @@ from training.corpus.chance import EXPECTED, Chance
 from training.corpus.process import Process
 from training.corpus.speakers import speaker_of
 from training.corpus.speech_curves import SpeechCurves, find_strokes
-from training.corpus.truth import MotionCurves, correlate_curves, curves_of, wrist_positions
+from training.corpus.truth import MotionCurves, curves_of, wrist_positions
 
 SPEAKER = speaker_of(1, 1)
 
@@ -49,7 +49,7 @@ def test_takes_follow_their_own_speech_best_and_differ_by_chance(
         takes.append(curves_of(process.body(30.0, chance), process.face(30.0, chance), 30.0))
 
     def correlation(one: MotionCurves, other: MotionCurves) -> float:
-        return correlate_curves(one.wrist_speed, other.wrist_speed)
+        return float(np.corrcoef(one.wrist_speed, other.wrist_speed)[0, 1])
 
     follow = [correlation(take, process.drive(30.0)) for take in takes]
     assert 0.5 < np.mean(follow) < 0.95
@@ -112,7 +112,6 @@ def _wrist_speed(body: np.ndarray, frame_rate: float) -> np.ndarray:
     return moves * frame_rate
 
 
-def test_silence_gives_no_motion_and_no_correlation(process: Process) -> None:
+def test_silence_gives_no_motion() -> None:
     still = drive_of(Audio(np.zeros(96_000, np.float32), 16_000))
     assert still.wrist_speed.max() < 1e-6
-    assert np.isnan(correlate_curves(still.wrist_speed, process.drive(30.0).wrist_speed))
