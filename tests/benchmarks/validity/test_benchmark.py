@@ -3,26 +3,14 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 
-import numpy as np
 import pytest
 
 from benchmarks.validity.benchmark import measure
 from benchmarks.validity.experiments import EXPERIMENTS, Experiment
-from benchmarks.validity.realised import Realised, Row, Tally, overall
-from benchmarks.validity.studies import (
-    Design,
-    judgements,
-    preferences,
-    ratings,
-    true_mean_rating,
-    true_rating_difference,
-    true_win_share,
-)
+from benchmarks.validity.realised import Row
+from benchmarks.validity.studies import Design
 
 BY_NAME = {experiment.name: experiment for experiment in EXPERIMENTS}
-VOTES = BY_NAME["votes"]
-
-
 SMALL = Design(participants=12, items=10, effect=0.0, participant_sd=1.0, item_sd=0.8)
 
 
@@ -73,59 +61,3 @@ def test_conditions_that_differ_by_the_margin_are_rarely_called_equivalent() -> 
 
     assert row.realised.false_positives.value < 0.12
     assert row.realised.power.value > 0.5
-
-
-def realised(significant: int, covered: int) -> Realised:
-    without = Tally(studies=1000, tested=1000, significant=significant)
-    with_effect = Tally(studies=1000, tested=1000, bounded=1000, covered=covered)
-    return Realised.of(without, with_effect)
-
-
-@pytest.mark.parametrize(
-    ("significant", "covered", "verdict"),
-    [
-        (50, 950, "headline"),
-        (29, 950, "conservative"),
-        (300, 950, "not a headline"),
-        (50, 700, "not a headline"),
-        (66, 950, "not a headline (within error)"),
-        (50, 929, "not a headline (within error)"),
-        (300, 929, "not a headline"),
-        (65, 930, "headline"),
-    ],
-)
-def test_the_verdict_respects_its_limits(significant: int, covered: int, verdict: str) -> None:
-    assert realised(significant, covered).verdict == verdict
-
-
-def test_a_number_that_fails_in_one_design_fails_overall() -> None:
-    row, *_ = measured(VOTES, studies=1).values()
-    fine, broken = (replace(row, realised=realised(count, 950)) for count in (50, 300))
-
-    assert overall([fine, fine]) == "headline"
-    assert overall([fine, broken]) == "not a headline at 12 x 10, 1/0.8"
-
-
-LARGE = Design(participants=700, items=700, effect=0.8, participant_sd=0.6, item_sd=0.45)
-NOTHING = Design(participants=5, items=4, effect=0.0, participant_sd=0.6, item_sd=0.45)
-
-
-def test_the_true_win_share_is_the_limit_of_many_answers() -> None:
-    answers = preferences(LARGE, np.random.default_rng(1))
-
-    assert answers.wins.mean() == pytest.approx(true_win_share(LARGE), abs=0.01)
-    assert true_win_share(NOTHING) == pytest.approx(0.5)
-
-
-@pytest.mark.parametrize("tastes", [True, False])
-def test_the_true_rating_difference_is_the_limit_of_many_ratings(tastes: bool) -> None:
-    chance = np.random.default_rng(2)
-    judged = judgements(LARGE, 2, chance, differ=tastes)
-
-    rated = ratings(judged, LARGE, chance)
-
-    assert rated.min() == 1
-    assert rated.max() == 5
-    truth = true_rating_difference(LARGE, tastes=tastes)
-    assert (rated[:, 0] - rated[:, 1]).mean() == pytest.approx(truth, abs=0.05)
-    assert rated[:, 0].mean() == pytest.approx(true_mean_rating(LARGE, tastes=tastes), abs=0.05)

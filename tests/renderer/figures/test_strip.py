@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from motion.audio import Audio
-from renderer.figures.plate import Plate, fitted, font, wrapped
+from renderer.figures.plate import Plate, font
 from renderer.figures.strip import Moment, StripLayout, draw_strip, loud_moments
 from tests.support.sounds import tone
 
@@ -111,21 +111,6 @@ def test_a_pdf_has_text_and_pictures_and_names_no_program(tmp_path: Path) -> Non
     assert b"DejaVuSans" in data
     assert b"/CreationDate" not in data
     assert b"/Creator" not in data
-
-
-@given(st.text(max_size=80), st.floats(20, 400))
-def test_fitted_text_is_never_wider_than_its_box(text: str, width: float) -> None:
-    letters = font(12)
-    shown = fitted(text.replace("\n", " "), letters, width)
-    assert letters.getlength(shown) <= max(width, letters.getlength("…"))
-
-
-@given(st.lists(st.sampled_from(["no", "never", "breakfast", "in", "the", "house"]), max_size=30))
-def test_wrapped_text_keeps_every_word_that_fits(words: list[str]) -> None:
-    letters = font(12)
-    lines = wrapped(" ".join(words), letters, 160, 40)
-    assert " ".join(lines).split() == words
-    assert all(letters.getlength(line) <= 160 for line in lines)
 
 
 def test_text_is_drawn_without_system_fonts() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,7 @@ from torch import Tensor, nn
 from motion.arrays import Ints
 from tests.training.lines import ENTRIES, VALUES, Line, LineNetwork, files_of_run
 from training.config import Decay, Pass, TrainingConfig
-from training.run.batches import batches_per_epoch, part_seed, step_parts, step_rows
+from training.run.batches import batches_per_epoch, step_rows
 from training.run.group import Group
 from training.run.learner import Learner
 from training.run.loop import train
@@ -105,25 +104,6 @@ def test_an_epoch_covers_all_examples_except_an_incomplete_batch(
         assert list(following) != list(rows[: len(following)]) or len(following) < 3
 
 
-@given(st.integers(1, 60), st.integers(1, 9), st.integers(1, 4))
-def test_parts_hold_each_example_once_and_are_shared_evenly(
-    examples: int, accumulate: int, processes: int
-) -> None:
-    rows = np.arange(max(examples, processes))
-    parts = step_parts(rows, accumulate, processes)
-    assert np.array_equal(np.concatenate(parts), rows)
-    assert len(parts) % processes == 0
-    assert {len(part) for part in parts} <= {len(rows) // len(parts), -(-len(rows) // len(parts))}
-    assert min(len(part) for part in parts) > 0
-    if len(rows) >= accumulate + processes:
-        assert accumulate <= len(parts) < accumulate + processes
-
-
-def test_each_step_part_and_update_has_its_own_randomness() -> None:
-    places = list(product(range(2), range(3), range(3), range(3)))
-    assert len({part_seed(*place) for place in places}) == len(places)
-
-
 FOLLOWER = Pass(name="follower", parts=("idle",), learning_rate=0.005)
 LEADER = Pass(name="leader", parts=("common", "rare"))
 IN_PASSES = TrainingConfig(
@@ -193,20 +173,6 @@ def test_two_passes_equal_two_optimizers() -> None:
         assert set(told) == {"loss", "follower", "leader", "size"}
     for name, weight in plain.state_dict().items():
         torch.testing.assert_close(state(learner)[name], weight, rtol=1e-5, atol=1e-6)
-
-
-def test_a_pass_has_its_own_stage_and_learning_rate() -> None:
-    learner = learner_of(replace(IN_PASSES, passes=(LEADER, replace(FOLLOWER, first=1, end=3))))
-    changed = []
-    for step in range(4):
-        before = state(learner)
-        told = learner.learn(step)
-        changed.append("idle" in moved(before, state(learner)))
-        assert ("follower" in told, "loss" in told) == (step in (1, 2), True)
-    assert changed == [False, True, True, False]
-    rates = {"learning_rate_leader": 0.02, "learning_rate_follower": 0.005}
-    assert learner.learning_rates(0) == {"learning_rate_leader": 0.02}
-    assert learner.learning_rates(2) == rates
 
 
 def test_untrained_parts_are_frozen_including_statistics_and_dropout() -> None:
