@@ -86,20 +86,6 @@ def test_hidden_files_are_skipped_and_folder_links_followed_once(tmp_path: Path)
     assert not result.skipped
 
 
-def test_a_transcript_is_plain_text_or_a_word_table(tmp_path: Path) -> None:
-    for name in ("2_scott_0_9_9", "2_scott_0_10_10", "2_scott_0_11_11"):
-        beat_take(tmp_path, name)
-    touch(tmp_path / "2_scott_0_9_9.lab")
-    (tmp_path / "2_scott_0_10_10.csv").write_text("0,3,neutral\n")
-    (tmp_path / "2_scott_0_11_11.csv").write_text("word,start,end\n")
-    transcripts = [take.transcript for take in read_takes(tmp_path).takes]
-    assert transcripts == [
-        None,
-        tmp_path / "2_scott_0_11_11.csv",
-        tmp_path / "2_scott_0_9_9.lab",
-    ]
-
-
 def test_beat2_is_read_as_downloaded(tmp_path: Path) -> None:
     write_smplx(tmp_path / "smplxflame_30" / "2_scott_0_65_65.npz", 1)
     write_clicks(tmp_path / "wave16k" / "2_scott_0_65_65.wav", 1)
