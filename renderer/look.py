@@ -10,7 +10,6 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from motion.errors import InputError
@@ -34,7 +33,7 @@ BACKGROUND: Final[Colour] = (0xEC, 0xEC, 0xEE)
 
 FRAMINGS: Final = ("upper_body", "full_body", "face", "hands")
 
-VIEWS: Final[Mapping[str, float]] = MappingProxyType({"front": 0.0, "three_quarter": 35.0})
+VIEWS: Final[Mapping[str, float]] = {"front": 0.0, "three_quarter": 35.0}
 """Angle of the camera to the speaker's left, in degrees."""
 
 

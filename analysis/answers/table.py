@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from pydantic import Field, TypeAdapter
@@ -192,9 +191,9 @@ MISMATCH: Final = Layout(
     contradiction="left_speech and right_speech are the same; one is own, the other is other",
 )
 
-LAYOUTS: Final[Mapping[str, Layout]] = MappingProxyType(
-    {layout.protocol: layout for layout in (PAIRWISE, RATING_OF_ONE, RANKING, MISMATCH)}
-)
+LAYOUTS: Final[Mapping[str, Layout]] = {
+    layout.protocol: layout for layout in (PAIRWISE, RATING_OF_ONE, RANKING, MISMATCH)
+}
 """Layouts by protocol, as the command line names them."""
 
 

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from types import MappingProxyType
 from typing import Final, Literal
 
 import numpy as np
@@ -145,9 +144,10 @@ def _scaled(product: Floats, first: Floats, second: Floats) -> Floats:
     return np.asarray(np.clip(correlation, -1, 1))
 
 
-_CORRELATIONS: Final[Mapping[Kind, Callable[[Floats, Floats, Floats], Floats]]] = MappingProxyType(
-    {"kendall": kendall, "spearman": spearman}
-)
+_CORRELATIONS: Final[Mapping[Kind, Callable[[Floats, Floats, Floats], Floats]]] = {
+    "kendall": kendall,
+    "spearman": spearman,
+}
 
 
 def over_conditions(

@@ -6,7 +6,6 @@ import hashlib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from motion.errors import InputError
@@ -33,9 +32,11 @@ CODE_TYPES: Final = {
 }
 """Prolific's types of the study's codes."""
 
-DEVICES: Final[Mapping[Device, str]] = MappingProxyType(
-    {"computer": "desktop", "tablet": "tablet", "phone": "mobile"}
-)
+DEVICES: Final[Mapping[Device, str]] = {
+    "computer": "desktop",
+    "tablet": "tablet",
+    "phone": "mobile",
+}
 """Prolific's names of the kinds of devices."""
 
 RETURN_REASON: Final = "The study looks for other participants."

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Final, Literal, Self, TypeVar
 
 import numpy as np
@@ -215,9 +214,7 @@ def number_trials(trials: Iterable[PlannedTrial]) -> tuple[PlannedTrial, ...]:
 
 Levels = Literal[2, 3, 5]
 
-PREFERENCES: Final[Mapping[int, Sequence[int]]] = MappingProxyType(
-    {2: (-1, 1), 3: (-1, 0, 1), 5: (-2, -1, 0, 1, 2)}
-)
+PREFERENCES: Final[Mapping[int, Sequence[int]]] = {2: (-1, 1), 3: (-1, 0, 1), 5: (-2, -1, 0, 1, 2)}
 """The answers, by their number: below 0 for the first stimulus (A), above 0 for the second (B)."""
 
 StimulusPair = tuple[Segment, Stimulus, Stimulus]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final, Literal, Protocol, Self, get_args
 
 from motion.segment import Segment
@@ -180,7 +179,7 @@ class Trial(Protocol):
 Tally = Mapping[tuple[str, str], float]
 """How often the first condition was preferred to the second; a tie counts half for both."""
 
-NO_VOTES: Final[Tally] = MappingProxyType({})
+NO_VOTES: Final[Tally] = {}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from pydantic import ValidationError
@@ -26,9 +25,7 @@ PROTOCOLS: Final[Mapping[str, type[Study]]] = {
 }
 """All protocols by name."""
 
-ALIASES: Final[Mapping[str, str]] = MappingProxyType(
-    {"amuse": "pairwise", "s2ue": "rating", "diffsheg": "ranking"}
-)
+ALIASES: Final[Mapping[str, str]] = {"amuse": "pairwise", "s2ue": "rating", "diffsheg": "ranking"}
 """The papers whose studies the protocols follow."""
 
 
