@@ -103,9 +103,7 @@ def paired(generated: Floats, recorded: Floats) -> tuple[Floats, Floats, str]:
     lengths = len(generated), len(recorded)
     frames = min(lengths)
     reason = ""
-    if not frames:
-        reason = "a clip has no frame"
-    elif frames < LEAST_OVERLAP * max(lengths):
+    if frames < LEAST_OVERLAP * max(lengths):
         reason = f"the clip has {lengths[0]} frames and the recording {lengths[1]}"
     return generated[:frames], recorded[:frames], reason
 

@@ -53,12 +53,14 @@ def test_names_keep_the_tables_order(tmp_path: Path) -> None:
             {"kind": "catch", "left": "broken", "right": "truth", "correct_side": "right"},
             {"kind": "practice", "left": "zebra", "right": "ours", "question": "b"},
             {"kind": "main", "left": "ours", "right": "apple", "question": "a"},
-            {"kind": "main", "left": "apple", "right": "zebra", "question": "b"},
+            # A trial is a main trial unless its kind is stated.
+            {"kind": None, "left": "apple", "right": "zebra", "question": "b"},
         ),
     )
     assert result.conditions == ("zebra", "ours", "apple")
     assert result.questions == ("b", "a")
     assert result.participants == ("anna",)
+    assert result.answers["kind"].tolist() == ["catch", "practice", "main", "main"]
     assert not result.has_sets
 
 
@@ -98,12 +100,6 @@ def test_empty_answers_and_unknown_columns_are_skipped_with_a_note(
         "Columns that are not read: browser.",
         "2 rows are left out for lack of a response.",
     )
-
-
-def test_a_trial_is_a_main_trial_by_default(tmp_path: Path) -> None:
-    result = read(tmp_path, pairs({"kind": "practice"}, {"kind": None}))
-    assert result.answers["kind"].tolist() == ["practice", "main"]
-    assert read(tmp_path, pairs({})).answers["kind"].tolist() == ["main"]
 
 
 HEADER = "participant,segment,question,"

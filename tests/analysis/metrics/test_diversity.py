@@ -28,11 +28,6 @@ def test_distances_agree_with_their_closed_forms(closed_form: Mapping[str, Any])
     assert l1_deviation(sample).value == pytest.approx(l1, rel=0.02)
 
 
-def test_deviation_worked_by_hand() -> None:
-    # Mean pose (1, 2); deviations 1 + 2 and 1 + 2.
-    assert l1_deviation(np.array([[0.0, 0.0], [2.0, 4.0]])).value == 3.0
-
-
 def test_the_distance_between_clips_is_a_root_mean_square_in_metres() -> None:
     still = np.zeros((20, 5, 3))
     apart = np.zeros((25, 5, 3))

@@ -92,14 +92,6 @@ def test_sliding_fades_with_the_height_of_the_foot() -> None:
     assert half.value == pytest.approx(0.4 * (1 + 2 - math.sqrt(2)) / 2)
 
 
-def test_position_and_heading_do_not_matter() -> None:
-    gliding = feet(speed=0.3)
-    turned = gliding[..., [2, 1, 0]] + [3.0, 1.0, -2.0]
-    assert foot_sliding(turned, frame_rate=30).value == pytest.approx(
-        foot_sliding(gliding, frame_rate=30).value
-    )
-
-
 def test_clips_too_short_too_slow_or_without_a_standing_foot_have_a_reason_instead_of_a_score() -> (
     None
 ):

@@ -51,14 +51,11 @@ def test_pooled_tests_equal_the_textbook_tests() -> None:
 
 
 def test_six_above_and_one_below_worked_by_hand() -> None:
-    result = sign_test(np.array([0.2, 0.1, 0.5, 0.3, 0.0, 0.4, 0.9, -0.1]))
+    # The difference of sums is a rounding error, which counts as zero.
+    result = sign_test(np.array([0.2, 0.1, 0.5, 0.3, 0.1 + 0.2 - 0.3, 0.4, 0.9, -0.1]))
     assert result.p_value == pytest.approx(2 * (1 + 7) / 2**7)
     assert result.estimate == pytest.approx(6 / 7)
     assert result.low < 0.5 < result.high
-
-
-def test_rounding_errors_around_zero_count_as_zero() -> None:
-    assert sign_test(np.array([0.1 + 0.2 - 0.3, -1.0])).estimate == 0
 
 
 def test_equivalence_agrees_with_another_implementation() -> None:
