@@ -76,11 +76,6 @@ def false_positive_rate(looks: Sequence[int]) -> float:
     return 1 - float(masses.sum())
 
 
-def equally_spaced(looks: int) -> float:
-    """Return the rate for a number of looks, with equally many new participants before each."""
-    return false_positive_rate(range(1, looks + 1))
-
-
 def _nodes(end: float, step: float) -> tuple[Floats, Floats]:
     """Return points and weights of an integral from `-end` to `end`, fine enough for `step`."""
     needed = NODES_PER_STEP * 2 * end / step

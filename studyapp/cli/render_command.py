@@ -151,7 +151,7 @@ def preview_command(
     help="The store's region, unless the environment names it.",
 )
 @public_address(
-    help="The study's public address; allows its pages to load from the bucket, and tests that.",
+    help="The study's public address; tests that its pages can load from the bucket.",
 )
 def publish_media_command(
     folder: StudyFolder,
@@ -168,7 +168,7 @@ def publish_media_command(
     in AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY.
     """
     # Imported here: it loads the database, which rendering does not need.
-    from studyapp.stimuli.publishing import allow_origin, publish
+    from studyapp.stimuli.publishing import publish, require_loading
 
     if bucket is None and (endpoint or region):
         raise click.UsageError("Give --endpoint and --region together with s3://BUCKET/FOLDER.")
@@ -179,7 +179,7 @@ def publish_media_command(
     if address:
         parts = urlsplit(address)
         origin = f"{parts.scheme}://{parts.netloc}"
-        allow_origin(folder, origin)
+        require_loading(folder, origin)
         click.echo(f"Pages of {origin} can load them; without a signed address, nobody can.")
 
 

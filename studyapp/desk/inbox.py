@@ -1,7 +1,7 @@
 """A study's inbox: files that were uploaded, piece by piece, and are not in the study yet.
 
-A script sends the pieces, each with where it begins. Importing is a job, see
-`studyapp.desk.job_kinds`.
+A script sends the pieces, each with where it begins, and is told where to go on. Importing is a
+job, see `studyapp.desk.job_kinds`.
 
 An unfinished upload is a hidden file, named after the file, its size and its time of modification.
 Its own size is where to go on: an upload survives a lost connection, another browser and a crash of
@@ -41,19 +41,9 @@ PARTIAL: Final = re.compile(r"\.(?P<name>.+)\.(?P<size>\d+)\.(?P<changed>\d+)\.p
 LARGEST_PIECE: Final = 1024 * 1024
 """Bytes that one request to the desk may bring; a study's pages take less."""
 
-LARGEST_FILE: Final = 10 * 10**9
-"""Bytes that an uploaded file may have."""
 
 KEPT_FREE: Final = 10**9
 """Bytes of the disk that uploads leave free for participants' answers."""
-
-
-class WrongOffsetError(Exception):
-    """A piece does not begin at `offset`, where the file ends so far."""
-
-    def __init__(self, offset: int) -> None:
-        super().__init__()
-        self.offset = offset
 
 
 class Upload(BaseModel):
@@ -75,6 +65,12 @@ class Upload(BaseModel):
     name: str
     size: Annotated[int, Field(ge=0)]
     changed: Annotated[int, Field(ge=0, lt=10**15)]
+
+
+class Piece(Upload):
+    """A piece of such a file, which begins at `offset`."""
+
+    offset: Annotated[int, Field(ge=0)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,14 +107,8 @@ class Inbox:
     def __init__(self, folder: StudyFolder) -> None:
         self._root = folder.inbox
 
-    def received(self, upload: Upload) -> int:
-        """Return how many bytes of a file have arrived.
-
-        Raises
-        ------
-        InputError
-            If it can never be brought in, is too large, or another file of its name is here.
-        """
+    def _received(self, upload: Upload) -> int:
+        """Return how many bytes of a file have arrived."""
         complete, partial = self._paths(upload)
         if complete.exists():
             state = complete.stat()
@@ -135,19 +125,17 @@ class Inbox:
             return upload.size if complete.exists() else 0
 
     def append(self, upload: Upload, offset: int, piece: bytes) -> int:
-        """Add a piece to a file, and return how many bytes of it have arrived then.
+        """Add a piece to a file if it ends at `offset` so far; return how many bytes have arrived.
 
         Raises
         ------
-        WrongOffsetError
-            If the file does not end at `offset` so far.
         InputError
-            As `received`, and if the disk has no room for the rest, or the piece is empty or more
-            than the rest.
+            If the file can never be brought in, another one of its name is here, the disk has no
+            room for the rest, or the piece is empty or more than the rest.
         """
-        received = self.received(upload)
+        received = self._received(upload)
         if received != offset:
-            raise WrongOffsetError(received)
+            return received
         if not 0 < len(piece) <= upload.size - offset:
             raise InputError(
                 f"{len(piece)} bytes came of {upload.name}, {upload.size - offset} were left",
@@ -165,7 +153,7 @@ class Inbox:
             fcntl.flock(file, fcntl.LOCK_EX)
             received = os.fstat(file.fileno()).st_size
             if received != offset:
-                raise WrongOffsetError(received)
+                return received
             file.write(piece)
             if received + len(piece) == upload.size:
                 file.flush()
@@ -219,14 +207,6 @@ class Inbox:
                 "brought in",
                 remedy=f"Files end in {', '.join(IMPORTABLE_ENDINGS)}",
             )
-        if not upload.size:
-            raise InputError(f"the file {upload.name} is empty", remedy="Copy or export it again")
-        if upload.size > LARGEST_FILE:
-            raise InputError(
-                f"the file {upload.name} is too large",
-                remedy=f"A file may have up to {LARGEST_FILE / 10**9:g} GB; import larger ones "
-                "on the server",
-            )
         folder = self._root
         if upload.condition:
             folder /= check_name(upload.condition, "condition")
@@ -255,7 +235,6 @@ def bring_in(study: OpenedStudy) -> ResponseReturnValue:
         emotions=EMOTIONS,
         endings=IMPORTABLE_ENDINGS,
         piece=LARGEST_PIECE,
-        largest=LARGEST_FILE,
         last=job_standings(study.folder.jobs).get(BRING_IN.name),
         refusals=[
             line.removeprefix(f"{REFUSED}{study.folder.inbox.name}/")
@@ -265,25 +244,16 @@ def bring_in(study: OpenedStudy) -> ResponseReturnValue:
     )
 
 
-def uploaded(study: OpenedStudy) -> ResponseReturnValue:
-    """Tell how many bytes of a file have arrived."""
-    try:
-        return jsonify(offset=Inbox(study.folder).received(_requested_upload()))
-    except InputError as error:
-        return _refusal(error)
-
-
 def take_piece(study: OpenedStudy) -> ResponseReturnValue:
-    """Add a piece to a file."""
-    offset = request.args.get("offset", "")
-    if not (offset.isascii() and offset.isdecimal()):
+    """Add a piece to a file, and tell where the next one begins."""
+    try:
+        piece = Piece.model_validate(request.args.to_dict())
+    except ValidationError:
         abort(400)
     try:
-        received = Inbox(study.folder).append(_requested_upload(), int(offset), request.get_data())
-    except WrongOffsetError as error:
-        return jsonify(offset=error.offset), 409
+        received = Inbox(study.folder).append(piece, piece.offset, request.get_data())
     except InputError as error:
-        return _refusal(error)
+        return jsonify(problem=f"{error.what[:1].upper()}{error.what[1:]}. {error.remedy}."), 422
     return jsonify(offset=received)
 
 
@@ -291,18 +261,6 @@ def remove_upload(study: OpenedStudy) -> ResponseReturnValue:
     """Remove a file from the inbox."""
     Inbox(study.folder).remove(request.form.get("condition", ""), request.form.get("name", ""))
     return redirect(url_for("research.bring_in", study=study.name), 303)
-
-
-def _requested_upload() -> Upload:
-    """Return the file that the address of a request is about."""
-    try:
-        return Upload.model_validate(request.args.to_dict())
-    except ValidationError:
-        abort(400)
-
-
-def _refusal(error: InputError) -> ResponseReturnValue:
-    return jsonify(problem=f"{error.what[:1].upper()}{error.what[1:]}. {error.remedy}."), 422
 
 
 def _conditions(study: OpenedStudy) -> list[str]:
@@ -318,6 +276,5 @@ def _conditions(study: OpenedStudy) -> list[str]:
 PAGES: Final = (
     Page("GET", "/bring-in", bring_in, Right.STEER),
     Page("POST", "/bring-in/remove", remove_upload, Right.STEER),
-    Page("GET", "/uploads", uploaded, Right.STEER),
     Page("POST", "/uploads", take_piece, Right.STEER),
 )

@@ -25,6 +25,7 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database, refuse_second_database, sqlite_url
 from studyapp.database.tables.researchers import Event
 from studyapp.database.tables.study_session import StudySession
+from studyapp.monitoring.alarms import AlarmChannels
 from studyapp.monitoring.overview import places_so_far
 from studyapp.researchers.account import Account, find_account_by_identity
 from studyapp.researchers.audit import log_change
@@ -167,6 +168,7 @@ class LabStudy:
             self._read_stamp, self._awaits_new_version = stamp, False
             try:
                 served = ServedStudy.read(self.folder.root).opened_for(rehearsal=False)
+                AlarmChannels.of(served.study)
                 self._awaits_new_version = needs_new_version(self.database, served.design)
                 open_study(self.database, served, self._clock)
                 if self._app is not None:

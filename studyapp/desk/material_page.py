@@ -1,10 +1,9 @@
-"""The clips of a study: a table of all segments and conditions, and a page for each clip."""
+"""The clips of a study: a table of all segments and conditions, and a page for each segment."""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -72,7 +71,6 @@ class Cell:
 
     condition: str
     label: str
-    segment: Segment
     source: Path
     video: Path | None
     findings: tuple[_CheckFinding, ...]
@@ -137,8 +135,7 @@ class Material:
         for finding in findings:
             self._findings[finding.where].append(finding)
 
-    def cell(self, segment: str, condition: str) -> Cell:
-        """Return the cell of a segment and a condition."""
+    def _cell(self, segment: str, condition: str) -> Cell:
         clip = self._clips.get((segment, condition), "")
         if self.study.is_finished(condition):
             source = finished_video_path(self.folder.videos, Stimulus.own(condition, segment))
@@ -154,7 +151,6 @@ class Material:
         return Cell(
             condition=condition,
             label=self.study.display_names[condition],
-            segment=self.segments[segment],
             source=source,
             video=video if video.is_file() else None,
             findings=tuple(finding for file in files for finding in self._current_findings(file)),
@@ -170,12 +166,13 @@ class Material:
             return [finding for finding in findings if finding.name == "video-missing"]
         return findings if changed_at <= self.checked_at else []
 
+    def row(self, segment: str) -> list[Cell]:
+        """Return the cell of a segment in every condition."""
+        return [self._cell(segment, condition) for condition in self.conditions]
+
     def rows(self) -> list[tuple[Segment, list[Cell]]]:
-        """Return each segment with its cell in every condition."""
-        return [
-            (segment, [self.cell(name, condition) for condition in self.conditions])
-            for name, segment in self.segments.items()
-        ]
+        """Return each segment with its cells."""
+        return [(segment, self.row(name)) for name, segment in self.segments.items()]
 
 
 def _read_findings(record: Path) -> tuple[float, tuple[_CheckFinding, ...]]:
@@ -216,39 +213,8 @@ def _counts(rows: Sequence[tuple[Segment, Sequence[Cell]]]) -> Mapping[str, int]
     }
 
 
-def clip(study: OpenedStudy, condition: str, segment: str) -> ResponseReturnValue:
-    """Show one segment in one condition."""
-    clips, cell = _cell(study, condition, segment)
-    names = list(clips.segments)
-    index = names.index(segment)
-    return page(
-        "clip",
-        study=study,
-        material=clips,
-        cell=cell,
-        file=cell.source.relative_to(study.folder.root),
-        before=names[index - 1] if index else None,
-        after=names[index + 1] if index + 1 < len(names) else None,
-        is_generated=condition in clips.study.generated(),
-    )
-
-
-def clip_video(study: OpenedStudy, condition: str, segment: str) -> Response:
-    """Send the video of one segment in one condition."""
-    _, cell = _cell(study, condition, segment)
-    if cell.video is None:
-        abort(404)
-    return send_file(cell.video.resolve(), mimetype="video/mp4", conditional=True)
-
-
-def clip_scene(study: OpenedStudy, condition: str, segment: str) -> Response:
-    """Send what a viewer plays of one segment in one condition."""
-    _, cell = _cell(study, condition, segment)
-    return send_scene(study.folder.root, _scenes((cell,)), 0)
-
-
-def segment_motion(study: OpenedStudy, segment: str) -> ResponseReturnValue:
-    """Show one segment, with its motion in all conditions side by side."""
+def segment_page(study: OpenedStudy, segment: str) -> ResponseReturnValue:
+    """Show one segment in all conditions, with its motion side by side."""
     clips, cells = _row(study, segment)
     return page(
         "segment",
@@ -256,71 +222,71 @@ def segment_motion(study: OpenedStudy, segment: str) -> ResponseReturnValue:
         material=clips,
         segment=clips.segments[segment],
         cells=cells,
-        scenes=_scenes(cells),
+        scenes=_scenes(segment, cells),
+        generated=clips.study.generated(),
     )
+
+
+def clip_video(study: OpenedStudy, segment: str, condition: str) -> Response:
+    """Send the video of one segment in one condition."""
+    _, cells = _row(study, segment)
+    video = next((cell.video for cell in cells if cell.condition == condition), None)
+    if video is None:
+        abort(404)
+    return send_file(video.resolve(), mimetype="video/mp4", conditional=True)
 
 
 def segment_scene(study: OpenedStudy, segment: str, scene: int) -> Response:
     """Send what a viewer plays of one segment in several conditions."""
     _, cells = _row(study, segment)
-    return send_scene(study.folder.root, _scenes(cells), scene)
+    return send_scene(study.folder.root, _scenes(segment, cells), scene)
 
 
 def _row(study: OpenedStudy, segment: str) -> tuple[Material, list[Cell]]:
     clips = Material(study.folder)
     if segment not in clips.segments:
         abort(404)
-    return clips, [clips.cell(segment, condition) for condition in clips.conditions]
+    return clips, clips.row(segment)
 
 
-def _scenes(cells: Sequence[Cell]) -> list[Scene]:
-    """Return the scenes of cells of one segment."""
-    segment = cells[0].segment.name
+def _scenes(segment: str, cells: Sequence[Cell]) -> list[Scene]:
     clips = [(cell.label, cell.condition) for cell in cells if cell.has_motion]
     return scenes_of(segment, segment, clips)
 
 
-def remove_clip(study: OpenedStudy, condition: str, segment: str) -> ResponseReturnValue:
-    """Remove the motion or the finished video of one segment in one condition."""
-    _, cell = _cell(study, condition, segment)
-    name = cell.source.relative_to(study.folder.root).as_posix()
-    with _removing(study, name, segment, condition):
-        cell.source.unlink(missing_ok=True)
-    return redirect(
-        url_for("research.clip", study=study.name, condition=condition, segment=segment), 303
-    )
+def remove_material(study: OpenedStudy, segment: str) -> ResponseReturnValue:
+    """Remove one segment in the condition that the form names, or in all, and its speech.
 
-
-def remove_segment(study: OpenedStudy, segment: str) -> ResponseReturnValue:
-    """Remove one segment in all conditions."""
-    clips, _ = _row(study, segment)
-    if len(clips.segments) == 1:
+    Not unconfirmed, during a job, or from participants.
+    """
+    clips, cells = _row(study, segment)
+    sources = {cell.condition: cell.source for cell in cells}
+    condition = request.form.get("condition", "")
+    if condition and condition not in sources:
+        abort(404)
+    if "sure" not in request.form:
+        raise InputError("nothing was removed", remedy="Tick the box to remove it for good")
+    if not condition and len(clips.segments) == 1:
         raise InputError(
             "the last segment cannot be removed", remedy="Bring in others first, then remove it"
         )
-    with _removing(study, f"segment {segment}", segment):
-        remove_segment_files(study.folder, segment)
-    return redirect(url_for("research.material", study=study.name), 303)
-
-
-@contextmanager
-def _removing(
-    study: OpenedStudy, what: str, segment: str, condition: str | None = None
-) -> Iterator[None]:
-    """Log the removal of `what`; refuse it unconfirmed, during a job, and from participants."""
-    if "sure" not in request.form:
-        raise InputError("nothing was removed", remedy="Tick the box to remove it for good")
     with no_other_job(study.folder.jobs), study.database.writing() as session:
         if any(
-            segment in (shown.segment, shown.speech) and condition in (None, shown.condition)
+            segment in (shown.segment, shown.speech) and condition in ("", shown.condition)
             for shown in _shown_stimuli(study, session)
         ):
             raise InputError(
                 "people have taken part, and what they see cannot be removed",
                 remedy="Make another study without it",
             )
-        yield
-        study.log(session, Event.MATERIAL_REMOVED, what)
+        if condition:
+            sources[condition].unlink(missing_ok=True)
+            removed = sources[condition].relative_to(study.folder.root).as_posix()
+        else:
+            remove_segment_files(study.folder, segment)
+            removed = f"segment {segment}"
+        study.log(session, Event.MATERIAL_REMOVED, removed)
+    return redirect(url_for("research.material", study=study.name), 303)
 
 
 def _shown_stimuli(study: OpenedStudy, session: Session) -> list[Stimulus]:
@@ -332,23 +298,12 @@ def _shown_stimuli(study: OpenedStudy, session: Session) -> list[Stimulus]:
     return [*shown, *chain(*served.videos)] if shown and served else shown
 
 
-def _cell(study: OpenedStudy, condition: str, segment: str) -> tuple[Material, Cell]:
-    clips = Material(study.folder)
-    if condition not in clips.conditions or segment not in clips.segments:
-        abort(404)
-    return clips, clips.cell(segment, condition)
-
-
-CLIP: Final = "/material/<condition>/<segment>"
-SEGMENT: Final = "/segments/<segment>/motion"
+SEGMENT: Final = "/material/<segment>"
 
 PAGES: Final = (
     Page("GET", "/material", material, Right.WATCH),
-    Page("GET", CLIP, clip, Right.WATCH),
-    Page("GET", f"{CLIP}/video.mp4", clip_video, Right.WATCH),
-    Page("GET", f"{CLIP}/motion", clip_scene, Right.WATCH),
-    Page("GET", SEGMENT, segment_motion, Right.WATCH),
-    Page("GET", f"{SEGMENT}/<int:scene>", segment_scene, Right.WATCH),
-    Page("POST", f"{CLIP}/remove", remove_clip, Right.STEER),
-    Page("POST", "/segments/<segment>/remove", remove_segment, Right.STEER),
+    Page("GET", SEGMENT, segment_page, Right.WATCH),
+    Page("GET", f"{SEGMENT}/<condition>.mp4", clip_video, Right.WATCH),
+    Page("GET", f"{SEGMENT}/motion/<int:scene>", segment_scene, Right.WATCH),
+    Page("POST", f"{SEGMENT}/remove", remove_material, Right.STEER),
 )

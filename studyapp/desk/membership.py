@@ -1,8 +1,8 @@
-"""Who belongs to a study: joining it by a link, with the account one has in it, or as its owner.
+"""Who belongs to a study: joining it by a link, or as its owner.
 
 A name is no proof. An account in a study is tied to one at the desk where somebody who is logged in
-at the desk made the study, used a link that an owner of the study made, or gave the password of the
-account in the study; or, of a study that nobody owns, by an owner of the desk.
+at the desk made the study, or used a link that an owner of the study made; or, where nobody owns
+the study, by an owner of the desk.
 """
 
 from __future__ import annotations
@@ -18,13 +18,12 @@ from studyapp.database.tables.researchers import Event
 from studyapp.desk.lab import LabStudy, OpenedStudy, current_lab, study_token
 from studyapp.desk.page import page
 from studyapp.researchers import links, logins
-from studyapp.researchers.account import Account, Right, link_identity
+from studyapp.researchers.account import Account, Right
 from studyapp.researchers.audit import log_change
 from studyapp.researchers.credentials import new_token
 from studyapp.web.research import accounts
 from studyapp.web.research.page import refusal_page, researcher, visitor_cookie
 from studyapp.web.research.pages import Page
-from studyapp.web.site import client_address
 
 
 def enter_study(study: OpenedStudy, token: str) -> None:
@@ -121,42 +120,9 @@ def _invitation(name: str, token: str) -> tuple[LabStudy, links.Link]:
     abort(make_response(refusal_page(links.UnusableLinkError(), 404)))
 
 
-def existing_account() -> ResponseReturnValue:
-    """Show the form for an account that one has in a study already."""
-    return page("existing_account", study="", name=researcher().name)
-
-
-def bring_account() -> ResponseReturnValue:
-    """Tie an account in a study, whose password is given, to the one at the desk."""
-    study_name, name = request.form.get("study", ""), request.form.get("name", "")
-    lab, identity = current_lab(), researcher().identity
-    study = lab.study(study_name.strip())
-    try:
-        if study is None or identity is None:
-            raise logins.WrongLoginError
-        token = logins.log_in(
-            study.database,
-            lab.clock,
-            name=name,
-            password=request.form.get("password", ""),
-            code=request.form.get("code", ""),
-            address=client_address(),
-        )
-        account = logins.find_account_by_login(study.database, token, lab.clock.now(), by_hand=True)
-        logins.end_login(study.database, token)
-        if account is None:
-            raise logins.WrongLoginError
-        link_identity(study.database, account.id, identity)
-    except InputError as error:
-        return page("existing_account", problem=error, study=study_name, name=name), 403
-    return redirect(url_for("research.study_page", study=study.name), 303)
-
-
 PAGES: Final = (
     Page("POST", "/log-out", log_out, Right.KEEP_ACCOUNT),
     Page("POST", "/studies/<study>/take-over", take_over, Right.MANAGE),
     Page("GET", "/studies/<study>/join/<token>", study_link, Right.KEEP_ACCOUNT),
     Page("POST", "/studies/<study>/join/<token>", use_study_link, Right.KEEP_ACCOUNT),
-    Page("GET", "/own-account-there", existing_account, Right.KEEP_ACCOUNT),
-    Page("POST", "/own-account-there", bring_account, Right.KEEP_ACCOUNT),
 )

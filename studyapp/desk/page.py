@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -47,11 +46,9 @@ def writing_files() -> Iterator[None]:
         yield
     except OSError as error:
         current_app.logger.error("Files cannot be written: %s", error)
-        is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
         raise InputError(
             f"the server cannot write this ({error.strerror})",
-            remedy="Ask whoever runs the server to "
-            + ("make room on its disk, then try again" if is_full else "look at its log"),
+            remedy="Ask whoever runs the server to look at its disk and its log, then try again",
         ) from error
 
 

@@ -20,7 +20,6 @@ from studyapp.desk.job_kinds import RUN, TAKE_HOME
 from studyapp.desk.lab import OpenedStudy, current_lab, study_token
 from studyapp.desk.membership import enter_study
 from studyapp.desk.page import DUTIES, at_the_desk, page, problem_at_the_desk, wrong_role
-from studyapp.monitoring.alarms import AlarmChannels
 from studyapp.recruitment.invitations import make_test_participation
 from studyapp.researchers.account import RIGHTS, ROLES, Right, has_owner
 from studyapp.researchers.links import invite
@@ -88,7 +87,6 @@ def study_page(study: OpenedStudy, new_link: str = "") -> ResponseReturnValue:
         rights=RIGHTS,
         standing=study.study.standing(),
         link="" if served is None else served.study.recruitment.link(address),
-        alarm_problem=None if served is None else _alarm_problem(served),
         sections=[
             (template, title, context(study))
             for template, title, needs, context in (
@@ -104,15 +102,6 @@ def study_page(study: OpenedStudy, new_link: str = "") -> ResponseReturnValue:
             if study.account.may(needs)
         ],
     )
-
-
-def _alarm_problem(served: ServedStudy) -> InputError | None:
-    """Return why no alarm of the study could be sent, None if it could."""
-    try:
-        AlarmChannels.of(served.study)
-    except InputError as error:
-        return error
-    return None
 
 
 def invite_to_study(study: OpenedStudy) -> ResponseReturnValue:

@@ -130,8 +130,7 @@ def raise_alarms_of_studies(lab: Lab) -> None:
     for study in lab.studies():
         try:
             served = study.served()
-            channels = None if served is None else AlarmChannels.of(served.study)
-            if served is not None and channels is not None and channels.ways:
+            if served is not None and (channels := AlarmChannels.of(served.study)).ways:
                 raise_alarms(study.database, served, lab.clock, channels.send)
         except (InputError, SQLAlchemyError) as error:
             LOG.error("Alarms of %s: %s", study.name, type(error).__name__)

@@ -83,12 +83,8 @@ def _save(study: OpenedStudy, text: str, digest: str) -> None:
         before = read_text(study.folder.definition)
         with writing_files():
             replace_text(study.folder.definition, text, seen=digest)
-        # The first two lines name the files.
-        difference = list(difflib.unified_diff(before.split("\n"), text.split("\n"), n=0))[2:]
-        lines = sum(line[0] != "@" for line in difference)
-        if lines:
-            detail = f"{lines} line{'s' * (lines != 1)} removed or added"
-            study.log(session, Event.DEFINITION_EDITED, detail)
+        if text != before:
+            study.log(session, Event.DEFINITION_EDITED, "")
 
 
 def _changed_design(study: OpenedStudy, text: str) -> tuple[str, ...]:

@@ -23,7 +23,7 @@ from studyapp.monitoring.answered_trials import (
 from studyapp.monitoring.study_sessions import SessionProgress, Standing, progress_of_sessions
 from studyapp.session.ending import JUDGED
 from studyapp.session.form_answers import count_screened_out
-from studyapp.session.intake import Intake, current_intake, is_closed
+from studyapp.session.intake import current_intake, is_closed
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.study import Study
 
@@ -70,8 +70,8 @@ class Overview:
     Attributes
     ----------
     at : datetime
-    intake : Intake
-        Whether newcomers are admitted, as far as the study file allows it.
+    intake : str
+        ``open``, ``paused`` or ``closed``, as far as the study file allows it.
     is_open : bool
         Whether the study file and the researchers' decision admit newcomers.
     announced_minutes : int or None
@@ -100,7 +100,7 @@ class Overview:
     """
 
     at: datetime
-    intake: Intake
+    intake: str
     is_open: bool
     announced_minutes: int | None
     arms: tuple[counts.PlaceCounts, ...]
@@ -188,7 +188,7 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
     expected = counts.forecast([end for end, _ in ends], places.remaining, began, now)
     return Overview(
         at=now,
-        intake=intake,
+        intake=intake.state,
         is_open=study.open and intake.state == "open",
         announced_minutes=study.page.minutes,
         arms=arms,

@@ -11,7 +11,6 @@ from enum import Enum
 from typing import Final, Literal, cast, get_args
 
 from sqlalchemy import delete, select
-from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
@@ -139,21 +138,6 @@ def find_account_by_identity(database: Database, identity: str) -> Account | Non
     with database.reading() as session:
         researcher = session.scalars(query).first()
     return None if researcher is None else account_of(researcher)
-
-
-def link_identity(database: Database, researcher_id: int, identity: str) -> None:
-    """Link an account to a person who has proved that it is theirs.
-
-    Raises
-    ------
-    InputError
-        If the person has another account in the study.
-    """
-    try:
-        with database.writing() as session:
-            session.get_one(Researcher, researcher_id).identity = identity
-    except IntegrityError:
-        raise InputError("you have another account in this study", remedy="Use that one") from None
 
 
 def has_owner(database: Database) -> bool:

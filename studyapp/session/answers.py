@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from typing import Final, cast
 
@@ -30,9 +29,6 @@ from studyapp.study.settings.study import Study
 
 Fields = Mapping[str, Sequence[str]]
 """A form as it was sent: every value of every name."""
-
-WHOLE_NUMBER: Final = re.compile(r"-?[1-9][0-9]{0,2}|0")
-
 
 SubmittedAnswers = Mapping[AnswerKey, tuple[int, tuple[str, ...]]]
 """Valid answers to one trial: value and reasons of each."""
@@ -187,70 +183,43 @@ def read_answers(study: Study, trial: AskedTrial, fields: Fields) -> SubmittedAn
         If one is missing or invalid, or they contradict each other.
     """
     asks = study.asks(trial)
-    known = {name for ask in asks for name in (ask.field, ask.reasons_field)}
-    if set(fields) - known:
-        raise UnacceptableError(
-            "The form held an answer to a question that this study does not ask.",
-            "Please reload the page and answer the questions shown.",
-        )
     # A menu or number field left empty is sent too, unless a script keeps the form back.
-    fields = {name: values for name, values in fields.items() if list(values) != [""]}
-    for ask in asks:
-        if fields.get(ask.field):
-            _check_value(ask, fields[ask.field])
-    _check_complete(asks, fields)
-    values = {ask.key: int(fields[ask.field][0]) for ask in asks}
-    problem = study.problem(trial, values)
+    sent = {name: values for name, values in fields.items() if list(values) != [""]}
+    choices = {ask.field: set(map(str, ask.values)) for ask in asks}
+    offered = choices | {ask.reasons_field: set(ask.reasons) for ask in asks}
+    for name, values in sent.items():
+        is_several = name in choices and len(values) > 1
+        if is_several or name not in offered or not set(values) <= offered[name]:
+            raise UnacceptableError(
+                "An answer is not one of the choices.",
+                "Please choose one of the choices for every question.",
+            )
+    questions = list(dict.fromkeys(ask.question for ask in asks))
+    missing = [ask for ask in asks if not sent.get(ask.field)]
+    if missing:
+        raise UnacceptableError(
+            "Questions not answered yet: {numbers}.",
+            "Please choose an answer to each; the others you gave are kept.",
+            numbers=tuple(_label(ask, 1 + questions.index(ask.question)) for ask in missing),
+        )
+    stored = {ask.key: int(sent[ask.field][0]) for ask in asks}
+    problem = study.problem(trial, stored)
     if problem is not None:
         raise UnacceptableError(
             "{problem}", "Please look at it again; your answers are kept.", problem=problem
         )
-    return {ask.key: (values[ask.key], _reasons(ask, fields)) for ask in asks}
-
-
-def _check_value(ask: Ask, texts: Sequence[str]) -> None:
-    is_integer = len(texts) == 1 and WHOLE_NUMBER.fullmatch(texts[0])
-    if not is_integer or int(texts[0]) not in ask.values:
-        raise UnacceptableError(
-            "An answer is not one of the choices.",
-            "Please choose one of the choices for every question.",
+    return {
+        ask.key: (
+            stored[ask.key],
+            tuple(name for name in ask.reasons if name in sent.get(ask.reasons_field, ())),
         )
-
-
-def _check_complete(asks: Sequence[Ask], fields: Fields) -> None:
-    questions = list(dict.fromkeys(ask.question for ask in asks))
-    missing = tuple(
-        _question_label(ask, questions.index(ask.question) + 1)
         for ask in asks
-        if not fields.get(ask.field)
-    )
-    if len(missing) == 1:
-        raise UnacceptableError(
-            "Question {number} is not answered yet.",
-            "Please choose an answer; the others you gave are kept.",
-            number=missing[0],
-        )
-    if missing:
-        raise UnacceptableError(
-            "Questions {numbers} are not answered yet.",
-            "Please choose an answer to each; the others you gave are kept.",
-            numbers=missing,
-        )
+    }
 
 
-def _question_label(ask: Ask, number: int) -> Message | int:
+def _label(ask: Ask, number: int) -> Message | int:
     """Return the number of the question, with the letter of the video it is about."""
     if ask.stimulus is None:
         return number
     letter = chr(ord("A") + ask.stimulus - 1)
     return Message("{number} about {letter}", number=number, letter=letter)
-
-
-def _reasons(ask: Ask, fields: Fields) -> tuple[str, ...]:
-    ticked = fields.get(ask.reasons_field, ())
-    if not set(ticked) <= set(ask.reasons):
-        raise UnacceptableError(
-            "A reason was ticked that this question does not offer.",
-            "Please reload the page and choose among the reasons shown.",
-        )
-    return tuple(name for name in ask.reasons if name in ticked)

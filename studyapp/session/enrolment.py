@@ -77,10 +77,6 @@ class Arrival:
     address : str or None
         The network address, if newcomers from it are counted.
 
-    Raises
-    ------
-    ValueError
-        If there is neither a `visit` nor a `recruiter_participant`.
     """
 
     visit: str | None = None
@@ -92,10 +88,6 @@ class Arrival:
     token: str | None = None
     is_signed: bool = False
     address: str | None = None
-
-    def __post_init__(self) -> None:
-        if not self.visit and not self.recruiter_participant:
-            raise ValueError("an arrival needs a visit or a recruiter's name")
 
     @property
     def name(self) -> str:

@@ -172,12 +172,6 @@ def _check_answers(study: Study, stage: Stage, fields: Mapping[str, str]) -> Non
         )
     names = [question.name for question in study.form.questions_at(stage)]
     numbers = tuple(number for number, name in enumerate(names, start=1) if name in problems)
-    if numbers and not any(fields.get(name, "").strip() for name in problems):
-        raise UnacceptableError(
-            "Questions {numbers} are not answered yet.",
-            "The other answers you gave are kept.",
-            numbers=numbers,
-        )
     if numbers:
         raise UnacceptableError(
             "Questions {numbers} have no answer yet, or one that cannot be accepted.",

@@ -6,9 +6,7 @@ Participants who have a place keep it in any case.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from datetime import datetime
-from typing import Final, Literal, cast, get_args
+from typing import Final, Literal, get_args
 
 from sqlalchemy import select, text
 from sqlalchemy.orm import Session
@@ -19,7 +17,7 @@ from studyapp.database.engine import Database
 from studyapp.database.postgresql import Turn, share_turn, take_turn
 from studyapp.database.tables.researchers import Event
 from studyapp.database.tables.study_session import IntakeChange, Place
-from studyapp.researchers.audit import EVENT_LABELS, log_change, read_reason
+from studyapp.researchers.audit import log_change, read_reason
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.study import Study
 
@@ -27,21 +25,13 @@ IntakeState = Literal["open", "paused", "closed"]
 STATES: Final[tuple[IntakeState, ...]] = get_args(IntakeState)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Intake:
-    """The researchers' decision; see `studyapp.database.tables.study_session.IntakeChange`."""
-
-    state: IntakeState = "open"
-    more_places: int = 0
+DECISIONS: Final = select(IntakeChange).order_by(IntakeChange.id.desc())
 
 
-def current_intake(session: Session) -> Intake:
-    """Return the current decision."""
-    query = select(IntakeChange).order_by(IntakeChange.id.desc()).limit(1)
-    newest = session.scalars(query).first()
-    if newest is None:
-        return Intake()
-    return Intake(state=cast(IntakeState, newest.state), more_places=newest.more_places)
+def current_intake(session: Session) -> IntakeChange:
+    """Return the newest decision; one that nobody had to make, before the first."""
+    newest = session.scalars(DECISIONS.limit(1)).first()
+    return newest or IntakeChange(state="open", more_places=0)
 
 
 def is_closed(database: Database, study: Study) -> bool:
@@ -50,7 +40,7 @@ def is_closed(database: Database, study: Study) -> bool:
         return not study.open or current_intake(session).state == "closed"
 
 
-def wanted_places(served: ServedStudy, intake: Intake) -> Mapping[tuple[str, str], int]:
+def wanted_places(served: ServedStudy, intake: IntakeChange) -> Mapping[tuple[str, str], int]:
     """Return the number of places of each arm, by its name and design."""
     return {key: arm.places + intake.more_places for key, arm in served.arms.items()}
 
@@ -94,9 +84,8 @@ EVENTS: Final[dict[IntakeState, Event]] = {
 
 def intake_changes(database: Database) -> Sequence[IntakeChange]:
     """Return all decisions about newcomers, the newest first."""
-    query = select(IntakeChange).order_by(IntakeChange.id.desc())
     with database.reading() as session:
-        return session.scalars(query).all()
+        return session.scalars(DECISIONS).all()
 
 
 def change_intake(
@@ -113,18 +102,13 @@ def change_intake(
     Raises
     ------
     InputError
-        If no reason is given, or the study already is in that state.
+        If no reason is given.
     """
     with database.writing() as session:
         take_allocation_turn(session)
-        before = current_intake(session)
-        if before.state == state:
-            raise InputError(
-                f"this is the case already: {EVENT_LABELS[EVENTS[state]]}",
-                remedy="Somebody else may have changed it",
-            )
-        after = Intake(state=state, more_places=before.more_places)
-        _store_change(session, served, clock.now(), after, EVENTS[state], by=by, reason=reason)
+        more_places = current_intake(session).more_places
+        change = IntakeChange(state=state, more_places=more_places, researcher=by, reason=reason)
+        _store_change(session, served, clock, change, EVENTS[state])
 
 
 def add_places(
@@ -145,34 +129,22 @@ def add_places(
                 f"{more} is not a number of places to add",
                 remedy=f"Give one from 1 to {max(1, MAX_ADDED_PLACES - before.more_places)}",
             )
-        after = Intake(state=before.state, more_places=before.more_places + more)
+        places = before.more_places + more
+        change = IntakeChange(state=before.state, more_places=places, researcher=by, reason=reason)
         detail = f"by {more} {'place' if more == 1 else 'places'} an arm"
-        _store_change(
-            session, served, clock.now(), after, Event.EXTENDED, by=by, reason=reason, detail=detail
-        )
+        _store_change(session, served, clock, change, Event.EXTENDED, detail)
 
 
 def _store_change(
     session: Session,
     served: ServedStudy,
-    now: datetime,
-    intake: Intake,
+    clock: Clock,
+    change: IntakeChange,
     event: Event,
-    *,
-    by: str,
-    reason: str,
     detail: str = "",
 ) -> None:
-    reason = read_reason(reason)
-    session.add(
-        IntakeChange(
-            at=now,
-            state=intake.state,
-            more_places=intake.more_places,
-            researcher=by,
-            reason=reason,
-        )
-    )
+    change.at, change.reason = clock.now(), read_reason(change.reason)
+    session.add(change)
     session.flush()
-    log_change(session, now, event, by=by, detail=detail, reason=reason)
+    log_change(session, change.at, event, by=change.researcher, detail=detail, reason=change.reason)
     open_places(session, served)

@@ -22,13 +22,8 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import Session
 
-from studyapp.database.tables.study_session import Place, StudySession
-from studyapp.session.intake import (
-    Intake,
-    current_intake,
-    take_allocation_turn,
-    wanted_places,
-)
+from studyapp.database.tables.study_session import IntakeChange, Place, StudySession
+from studyapp.session.intake import current_intake, take_allocation_turn, wanted_places
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.served_study import ServedStudy
 
@@ -166,7 +161,9 @@ def _place_queries(
     )
 
 
-def has_open_place(session: Session, served: ServedStudy, intake: Intake, now: datetime) -> bool:
+def has_open_place(
+    session: Session, served: ServedStudy, intake: IntakeChange, now: datetime
+) -> bool:
     """Tell whether a place is open for a newcomer; outside the turn, this can change any moment.
 
     Places of stale study sessions count as open, though they are released later.
@@ -183,7 +180,7 @@ def has_open_place(session: Session, served: ServedStudy, intake: Intake, now: d
 
 
 def require_open_place(
-    session: Session, served: ServedStudy, intake: Intake, now: datetime
+    session: Session, served: ServedStudy, intake: IntakeChange, now: datetime
 ) -> None:
     """Raise `StudyFullError` unless newcomers are admitted and a place is open."""
     require_open_intake(served, intake)
@@ -191,7 +188,7 @@ def require_open_place(
         raise full_study_error()
 
 
-def require_open_intake(served: ServedStudy, intake: Intake) -> None:
+def require_open_intake(served: ServedStudy, intake: IntakeChange) -> None:
     """Raise `StudyFullError` unless newcomers are admitted, whether or not a place is open."""
     if intake.state == "closed":
         raise StudyFullError(

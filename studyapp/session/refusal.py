@@ -32,17 +32,12 @@ class RefusalError(Exception):
 
     def __init__(self, what: str, remedy: str, /, **values: Value) -> None:
         self.messages = (Message(what, **values), Message(remedy, **values))
-        super().__init__(f"{self.what} {self.remedy}")
+        super().__init__(" ".join(map(str, self.messages)))
 
     @property
     def what(self) -> str:
         """What happened, in English."""
         return str(self.messages[0])
-
-    @property
-    def remedy(self) -> str:
-        """What they can do, in English."""
-        return str(self.messages[1])
 
 
 class UnknownAddressError(RefusalError):
@@ -98,10 +93,7 @@ class IneligibleError(Exception):
 
 
 MAX_LOGGED: Final = 100
-"""Refusals logged for one study session."""
-
-MAX_LOGGED_OF_UNKNOWN: Final = 500
-"""Refusals logged for addresses that belong to nobody: mostly mistyped, some guessed."""
+"""Refusals logged for one study session, and for all addresses that belong to nobody."""
 
 MAX_DETAIL_LENGTH: Final = 300
 
@@ -141,7 +133,7 @@ def log_refusal(
             column = RefusalLine.study_session_id
             same: ColumnElement[bool] = column.is_(None) if number is None else column == number
             logged = session.scalar(select(func.count()).select_from(RefusalLine).where(same)) or 0
-        if logged >= (MAX_LOGGED_OF_UNKNOWN if number is None else MAX_LOGGED):
+        if logged >= MAX_LOGGED:
             return
         detail = f"{request}: {refusal.what}"[:MAX_DETAIL_LENGTH]
         line = RefusalLine(at=clock.now(), study_session_id=number, kind=kind, detail=detail)

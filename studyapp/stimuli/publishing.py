@@ -101,13 +101,13 @@ def publish(
     return Publication(stored=len(missing), kept=len(copies) - len(missing))
 
 
-def allow_origin(folder: StudyFolder, origin: str) -> None:
-    """Allow participants' browsers on pages of `origin` to load from the store.
+def require_loading(folder: StudyFolder, origin: str) -> None:
+    """Load a piece of a video from the store, as browsers do on pages of `origin`.
 
     Raises
     ------
     InputError
-        If a range of a video cannot be loaded as browsers do, or without a signature.
+        If it cannot be loaded, pages of `origin` may not use it, or it needs no signature.
     """
     published = read_published(folder.root)
     if published is None or not published.videos:
@@ -115,14 +115,6 @@ def allow_origin(folder: StudyFolder, origin: str) -> None:
             "no videos were published", where=folder.root / FILE, remedy="Publish the videos first"
         )
     bucket, name = connect(published.place), next(iter(published.videos.values())).names[0]
-    if not _can_load(bucket, name, origin):
-        bucket.allow(origin)
-        if not _can_load(bucket, name, origin):
-            raise _store_error(bucket, f"it does not let pages of {origin} load from it (CORS)")
-
-
-def _can_load(bucket: Bucket, name: str, origin: str) -> bool:
-    """Load a range of a video as a browser does; return whether the page may use it."""
     signed = bucket.address(name, SIGNED_SECONDS)
     headers = {"Range": "bytes=0-1", "Origin": origin}
     try:
@@ -135,7 +127,8 @@ def _can_load(bucket: Bucket, name: str, origin: str) -> bool:
         raise _store_error(bucket, "anybody can load from it without a signed address")
     if partial.status_code != httpx.codes.PARTIAL_CONTENT or len(partial.content) != 2:
         raise _store_error(bucket, f"it sends no byte ranges (status {partial.status_code})")
-    return partial.headers.get("Access-Control-Allow-Origin") in (origin, "*")
+    if partial.headers.get("Access-Control-Allow-Origin") not in (origin, "*"):
+        raise _store_error(bucket, f"it does not let pages of {origin} load from it (CORS)")
 
 
 def _most_views(served: ServedStudy, digests: Mapping[Content, str]) -> int:
@@ -184,5 +177,5 @@ def _store_error(bucket: Bucket, what: str) -> InputError:
     return InputError(
         what,
         where=f"{bucket.place.endpoint or 'S3'}, bucket {bucket.place.bucket}",
-        remedy="Correct the bucket's settings, and run the command again",
+        remedy="Set the bucket as docs/media-store.md says, and run the command again",
     )

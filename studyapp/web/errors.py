@@ -43,24 +43,10 @@ def status_of(refusal: RefusalError) -> int:
     return next(STATUS[kind] for kind in type(refusal).__mro__ if kind in STATUS)
 
 
-WORDS: Final = {
-    404: (
-        Message("This page does not exist."),
-        Message("Please open the link you were given once more; nothing you answered is lost."),
-    ),
-    405: (
-        Message("This page cannot be opened like this."),
-        Message("Please go back to the page before."),
-    ),
-    413: (
-        Message("That was too much to send at once."),
-        Message("Please go back and try again."),
-    ),
-    416: (
-        Message("The video has no such part."),
-        Message("Please reload the page; nothing you answered is lost."),
-    ),
-}
+NOT_FOUND: Final = (
+    Message("This page does not exist."),
+    Message("Please open the link you were given once more; nothing you answered is lost."),
+)
 NOT_UNDERSTOOD: Final = (
     Message("Your browser's request could not be understood."),
     Message("Please go back and try again; what you answered before is stored."),
@@ -109,8 +95,9 @@ def register_error_pages(app: Flask) -> None:
     @app.errorhandler(HTTPException)
     def fail(error: HTTPException) -> ResponseReturnValue:
         status = error.code or 500
-        default = OUR_FAULT if status >= 500 else NOT_UNDERSTOOD
-        return _page(WORDS.get(status, default), status)
+        if status == 404:
+            return _page(NOT_FOUND, status)
+        return _page(OUR_FAULT if status >= 500 else NOT_UNDERSTOOD, status)
 
 
 def _holds_nul(values: MultiDict[str, str]) -> bool:

@@ -235,27 +235,6 @@ class Bucket:
                 for item in page.get("Contents", ())
             }
 
-    def allow(self, origin: str) -> None:
-        """Let pages of `origin` load from the bucket, beside those that may already."""
-        from botocore.exceptions import ClientError
-
-        rule = {
-            "AllowedOrigins": [origin],
-            "AllowedMethods": ["GET", "HEAD"],
-            "AllowedHeaders": ["Range"],
-            "MaxAgeSeconds": LOADED_AGAIN_SECONDS,
-        }
-        with _as_input_errors(f"let pages of {origin} load from it", self.place):
-            try:
-                rules = self._connection.get_bucket_cors(Bucket=self.place.bucket)["CORSRules"]
-            except ClientError as error:
-                if error.response.get("Error", {}).get("Code") != "NoSuchCORSConfiguration":
-                    raise
-                rules = []
-            self._connection.put_bucket_cors(
-                Bucket=self.place.bucket, CORSConfiguration={"CORSRules": [*rules, rule]}
-            )
-
     def address(self, name: str, seconds: int) -> str:
         """Return an address at which anybody can load an object for so many seconds.
 

@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from flask import Flask
-from werkzeug.utils import redirect
-from werkzeug.wrappers import Request, Response
+from werkzeug.wrappers import Response
 
 from motion.errors import InputError
 from studyapp.web.protection import PROTECTION
@@ -33,10 +32,10 @@ TRY: Final = "/try"
 def below(prefix: str, environ: WSGIEnvironment) -> WSGIEnvironment | None:
     """Return a request as the application mounted at `prefix` gets it; None if it is not below."""
     path = environ.get("PATH_INFO", "")
-    if not path.startswith(f"{prefix}/"):
+    if not f"{path}/".startswith(f"{prefix}/"):
         return None
     root = environ.get("SCRIPT_NAME", "") + prefix
-    return {**environ, "SCRIPT_NAME": root, "PATH_INFO": path.removeprefix(prefix)}
+    return {**environ, "SCRIPT_NAME": root, "PATH_INFO": path.removeprefix(prefix) or "/"}
 
 
 def at_sub_path(application: WSGIApplication, prefix: str) -> WSGIApplication:
@@ -49,19 +48,12 @@ def at_sub_path(application: WSGIApplication, prefix: str) -> WSGIApplication:
     """
 
     def dispatch(environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
-        path = environ.get("PATH_INFO", "")
         inside = below(prefix, {**environ, "SCRIPT_NAME": ""})
         # Health checks come directly, past any proxy.
-        if inside is not None or path == HEALTH:
+        if inside is not None or environ.get("PATH_INFO") == HEALTH:
             return application(inside or environ, start_response)
-        if path == prefix:
-            query = Request(environ).query_string.decode("latin-1")
-            response = redirect(f"{prefix}/{query and f'?{query}'}", 308)
-        else:
-            response = Response("There is no such page.\n", 404, mimetype="text/plain")
+        response = Response("There is no such page.\n", 404, mimetype="text/plain")
         response.headers.update(PROTECTION | {"Cache-Control": "no-store"})
-        # An address without a host keeps the host and the scheme that the proxy was asked for.
-        response.autocorrect_location_header = False
         return response(environ, start_response)
 
     return dispatch

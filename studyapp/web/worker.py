@@ -22,17 +22,6 @@ from gunicorn.workers.gthread import ThreadWorker  # type: ignore[import-untyped
 from studyapp.web.app import LARGEST_REQUEST
 
 BAD_REQUEST: Final = (400, "Bad Request")
-LENGTH_REQUIRED: Final = (411, "Length Required")
-HEAD_TOO_LARGE: Final = (431, "Request Header Fields Too Large")
-REFUSALS: Final[dict[type[Exception], tuple[int, str]]] = {
-    errors.LimitRequestLine: (414, "URI Too Long"),
-    errors.LimitRequestHeaders: HEAD_TOO_LARGE,
-    errors.ExpectationFailed: (417, "Expectation Failed"),
-    errors.UnsupportedTransferCoding: (501, "Not Implemented"),
-    errors.ForbiddenProxyRequest: (403, "Forbidden"),
-}
-"""Statuses for faulty requests other than `BAD_REQUEST`."""
-
 OWN_FAULTS: Final = (
     errors.InvalidResponseHeader,
     errors.InvalidResponseHeaderName,
@@ -190,11 +179,9 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
         if piece and not conn.received:
             self._deadlines[conn] = time.monotonic() + REQUEST_SECONDS
         conn.received += piece or b""
-        if conn.length is None:
-            refusal = self._read_head(conn)
-            if refusal is not None:
-                self._refuse(conn, *refusal)
-                return
+        if conn.length is None and not self._read_head(conn):
+            self._refuse(conn)
+            return
         conn.is_complete = conn.length is not None and len(conn.received) >= conn.length
         if piece == b"" and not conn.received:
             self._drop(conn)
@@ -207,14 +194,14 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
             conn.parser = get_parser(self.cfg, [bytes(conn.received)], conn.client)
             super().enqueue_req(conn)
 
-    def _read_head(self, conn: Any) -> tuple[int, str] | None:
-        """Note how long the request is once its head is there; return why it is refused, if so."""
+    def _read_head(self, conn: Any) -> bool:
+        """Note how long the request is once its head is there; return False if it is refused."""
         head = conn.received.find(END_OF_HEAD)
         if head < 0:
-            return HEAD_TOO_LARGE if len(conn.received) > LARGEST_HEAD else None
+            return len(conn.received) <= LARGEST_HEAD
         lines = bytes(conn.received[: head + len(END_OF_HEAD)])
         if IN_CHUNKS.search(lines):
-            return LENGTH_REQUIRED
+            return False
         length = BODY_LENGTH.search(lines)
         conn.length = len(lines) + (int(length[1]) if length else 0)
         conn.head_length = len(lines)
@@ -222,7 +209,7 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
             conn.sock.sendall(CONTINUE)
             with suppress(OSError):
                 conn.sock.flush()
-        return None
+        return True
 
     def _is_too_large(self, conn: Any) -> bool:
         return conn.length is not None and conn.length - conn.head_length > self.largest_request
@@ -278,9 +265,9 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
         if ended:
             self._drop(conn)
 
-    def _refuse(self, conn: Any, status: int, reason: str) -> None:
+    def _refuse(self, conn: Any) -> None:
         self._unwatch(conn)
-        util.write_error(conn.sock, status, reason, "")
+        util.write_error(conn.sock, *BAD_REQUEST, "")
         conn.keep_alive = conn.is_complete = False
         self._watch(conn, self._flush, seconds=CLOSING_SECONDS, to_send=True)
         self._flush(conn)
@@ -329,7 +316,7 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
         """Answer a request that is not HTTP, or that failed outside all pages."""
         del req, addr
         if isinstance(exc, errors.ParseException) and not isinstance(exc, OWN_FAULTS):
-            status, reason = REFUSALS.get(type(exc), BAD_REQUEST)
+            status, reason = BAD_REQUEST
         else:
             status, reason = 500, "Internal Server Error"
             where = "".join(traceback.format_tb(exc.__traceback__))

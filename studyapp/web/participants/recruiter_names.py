@@ -178,18 +178,13 @@ def read_names(values: Mapping[str, str]) -> dict[str, str]:
         return _normalised(names)
     if channel == "link":
         return {}
-    if channel == "invitations":
-        raise UninvitedError(
-            "This study can be opened only with an invitation.",
-            "Please open the whole link that you were sent.",
-        )
     raise _not_sent()
 
 
 def _not_sent() -> UninvitedError:
     return UninvitedError(
-        "This study is open only to people who come from a recruiting site.",
-        "Please open it from its page there.",
+        "This study is open only to people who were invited, or come from a recruiting site.",
+        "Please open the whole link that you were sent, or the study's page there.",
     )
 
 

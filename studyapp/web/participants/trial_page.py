@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Any, Final, Literal
+
+from markupsafe import Markup, escape
 
 from studyapp.session.trials import ShownTrial, ShownVideo
 from studyapp.study.design.trial import Ask
@@ -21,19 +23,17 @@ Widget = Literal["choices", "slider", "ranking"]
 """How a question is answered: one of a few labels, a number on a line, or an order."""
 
 NO_DIFFERENCE: Final = Message("no difference")
-SCALE: Final = (
-    (-2, Message("clearly A")),
-    (-1, Message("slightly A")),
-    (0, NO_DIFFERENCE),
-    (1, Message("slightly B")),
-    (2, Message("clearly B")),
-)
-"""The five answers in the order of the videos, from left to right."""
 
 PREFERENCE_LABELS: Final[Mapping[int, tuple[tuple[int, Message], ...]]] = {
     2: ((-1, Message("A")), (1, Message("B"))),
     3: ((-1, Message("A")), (0, NO_DIFFERENCE), (1, Message("B"))),
-    5: SCALE,
+    5: (
+        (-2, Message("clearly A")),
+        (-1, Message("slightly A")),
+        (0, NO_DIFFERENCE),
+        (1, Message("slightly B")),
+        (2, Message("clearly B")),
+    ),
 }
 """By the number of answers, in the order of the videos."""
 
@@ -65,6 +65,9 @@ EMOTION_WORDS: Final = {
 }
 
 
+STRONG: Final = Markup('<strong class="emotion">{}</strong>')
+
+
 @dataclass(frozen=True, kw_only=True)
 class AskedQuestion:
     """A question as a trial asks it.
@@ -75,8 +78,8 @@ class AskedQuestion:
         Its number on the page, the same for every video that it asks about.
     stimulus : int or None
         The stimulus that it asks about; None for the whole trial.
-    parts : tuple of (str, bool)
-        The text in pieces; True marks the emotion, which the page emphasises.
+    text : Markup
+        What it asks, with the emotion emphasised.
     widget : {'choices', 'slider', 'ranking'}
         How it is answered.
     asks : tuple of Ask
@@ -90,18 +93,11 @@ class AskedQuestion:
     name: str
     number: int
     stimulus: int | None
-    parts: tuple[tuple[str, bool], ...]
+    text: Markup
     widget: Widget
     asks: tuple[Ask, ...]
     labels: Labels
     reasons: tuple[tuple[str, str], ...]
-
-    @property
-    def needed(self) -> str:
-        """Its name in the checklist."""
-        if self.stimulus is None:
-            return str(self.number)
-        return _("%(number)s for %(letter)s", number=self.number, letter=self.letter)
 
     @property
     def letter(self) -> str:
@@ -114,13 +110,9 @@ def letter(number: int) -> str:
     return chr(ord("A") + number - 1)
 
 
-def emphasised(text: str, place: str, words: str) -> tuple[tuple[str, bool], ...]:
-    """Return `text` in pieces, with emphasised `words` wherever it holds `place`."""
-    pieces = text.split(place)
-    parts: list[tuple[str, bool]] = [(pieces[0], False)]
-    for piece in pieces[1:]:
-        parts += [(words, True), (piece, False)]
-    return tuple(part for part in parts if part[0])
+def emphasised(text: str, place: str, words: str) -> Markup:
+    """Return `text` with emphasised `words` wherever it holds `place`."""
+    return escape(text).replace(place, STRONG.format(words))
 
 
 def asked_questions(study: Study, trial: ShownTrial) -> list[AskedQuestion]:
@@ -152,14 +144,14 @@ def _asked(
     if isinstance(question, RatingQuestion) and question.scale == "slider":
         widget = "slider"
     if trial.instructed is None:
-        parts = emphasised(question.text, "{emotion}", say(EMOTION_WORDS[trial.emotion]))
+        text = emphasised(question.text, "{emotion}", say(EMOTION_WORDS[trial.emotion]))
     else:
-        parts = _instruction(widget, labels, trial.instructed, first=first)
+        text = _instruction(widget, labels, trial.instructed, first=first)
     return AskedQuestion(
         name=question.name,
         number=number,
         stimulus=None if ranking else asks[0].stimulus,
-        parts=parts,
+        text=text,
         widget=widget,
         asks=asks,
         labels=labels,
@@ -183,9 +175,7 @@ def _labels(question: Question, values: Sequence[int]) -> Labels:
     return tuple(zip(values, labels, strict=True))
 
 
-def _instruction(
-    widget: Widget, labels: Labels, instructed: int, *, first: bool
-) -> tuple[tuple[str, bool], ...]:
+def _instruction(widget: Widget, labels: Labels, instructed: int, *, first: bool) -> Markup:
     """Return the instruction of an attention check; only the first one explains why."""
     if widget == "ranking":
         why = _("To show that you read each question, please put {answer} first here.")
@@ -209,85 +199,51 @@ def frozen_words(study: Study) -> str:
 Layout = Literal["composed", "pair", "rating", "ranking"]
 """One video with both sides; two players; players with questions under each; cards to order."""
 
+REFERENCE: Final = (0,)
 
-@dataclass(frozen=True, kw_only=True)
-class Player:
-    """One video of the page with its label.
 
-    Attributes
-    ----------
-    label : str
-        A, B, … or Reference; empty for a composed pair, whose picture holds its labels.
-    questions : tuple of AskedQuestion
-        Those about this video alone.
+def trial_page(study: Study, trial: ShownTrial) -> dict[str, Any]:
+    """Return what the template of a trial shows.
+
+    Returns
+    -------
+    dict
+        ``layout``; the player ``reference`` that is shown apart and not judged, or None; the
+        ``players`` that are judged, in order, each with ``label``, ``video`` and the ``questions``
+        about it alone; ``questions`` about the whole trial; ``widgets``, how all of them are
+        answered; ``boxes``, how many videos stand beside each other; and whether all of them are
+        ``muted``.
     """
-
-    label: str
-    video: ShownVideo
-    questions: tuple[AskedQuestion, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
-class TrialPage:
-    """A trial as its page shows it.
-
-    Attributes
-    ----------
-    reference : Player or None
-        What is shown apart and not judged.
-    players : tuple of Player
-        What is judged, in order.
-    questions : tuple of AskedQuestion
-        Those about the whole trial.
-    widgets : frozenset of {'choices', 'slider', 'ranking'}
-        How all its questions are answered.
-    """
-
-    layout: Layout
-    reference: Player | None
-    players: tuple[Player, ...]
-    questions: tuple[AskedQuestion, ...]
-    widgets: frozenset[Widget]
-
-    @property
-    def boxes(self) -> int:
-        """How many videos stand beside each other."""
-        return len(self.players) + (self.reference is not None)
-
-    @property
-    def muted(self) -> bool:
-        """Whether all videos are to be seen without sound."""
-        return all(player.video.muted for player in self.players)
-
-
-def trial_page(study: Study, trial: ShownTrial) -> TrialPage:
-    """Return what the page of `trial` shows."""
     questions = asked_questions(study, trial)
     players = [
-        Player(
-            label=_label(video),
-            video=video,
-            questions=tuple(each for each in questions if (each.stimulus,) == video.shows),
-        )
+        {
+            "label": _label(video),
+            "video": video,
+            "questions": [each for each in questions if (each.stimulus,) == video.shows],
+        }
         for video in trial.videos
     ]
-    return TrialPage(
-        layout=_layout(questions, players),
-        reference=next((player for player in players if player.video.shows == (0,)), None),
-        players=tuple(player for player in players if player.video.shows != (0,)),
-        questions=tuple(question for question in questions if question.stimulus is None),
-        widgets=frozenset(question.widget for question in questions),
-    )
+    first = 1 if trial.videos[0].shows == REFERENCE else 0
+    return {
+        "layout": _layout(trial, questions),
+        "reference": players[0] if first else None,
+        "players": players[first:],
+        "questions": [question for question in questions if question.stimulus is None],
+        "widgets": {question.widget for question in questions},
+        "boxes": len(players),
+        "muted": all(video.muted for video in trial.videos[first:]),
+    }
 
 
 def _label(video: ShownVideo) -> str:
-    if video.shows == (0,):
+    """Return A, B, … or Reference; nothing for a composed pair, whose picture holds its labels."""
+    if video.shows == REFERENCE:
         return _("Reference")
     return letter(video.shows[0]) if len(video.shows) == 1 else ""
 
 
-def _layout(questions: list[AskedQuestion], players: list[Player]) -> Layout:
-    if any(not player.label for player in players):
+def _layout(trial: ShownTrial, questions: list[AskedQuestion]) -> Layout:
+    if any(len(video.shows) > 1 for video in trial.videos):
         return "composed"
     if any(question.widget == "ranking" for question in questions):
         return "ranking"

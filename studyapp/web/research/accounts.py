@@ -40,7 +40,6 @@ from studyapp.researchers.links import (
 )
 from studyapp.researchers.logins import WrongLoginError, change_password, end_login, log_in
 from studyapp.web.research.page import (
-    address_after_login,
     page,
     refusal_page,
     researcher,
@@ -53,13 +52,12 @@ from studyapp.web.site import client_address, current_site
 
 def login() -> ResponseReturnValue:
     """Show the form with name and password, unless somebody is logged in."""
-    next_page = request.args.get("next", "")
     desk = current_site().desk
     if desk is not None:
         return redirect(desk.address, 303)
     if visitor() is not None:
-        return redirect(address_after_login(next_page), 303)
-    return page("login", next_page=next_page, name="", problem=None)
+        return redirect(url_for("research.overview"), 303)
+    return page("login", name="", problem=None)
 
 
 def enter() -> ResponseReturnValue:
@@ -67,9 +65,7 @@ def enter() -> ResponseReturnValue:
     site = current_site()
     if site.desk is not None:
         return redirect(site.desk.address, 303)
-    name, password, code, next_page = (
-        request.form.get(key, "") for key in ("name", "password", "code", "next")
-    )
+    name, password, code = (request.form.get(key, "") for key in ("name", "password", "code"))
     try:
         token = log_in(
             site.database,
@@ -80,12 +76,12 @@ def enter() -> ResponseReturnValue:
             address=client_address(),
         )
     except TooManyAttemptsError as error:
-        response = make_response(page("login", next_page=next_page, name=name, problem=error), 429)
+        response = make_response(page("login", name=name, problem=error), 429)
         response.headers["Retry-After"] = str(error.seconds)
         return response
     except WrongLoginError as error:
-        return page("login", next_page=next_page, name=name, problem=error), 403
-    return _redirect_with_login(token, address_after_login(next_page))
+        return page("login", name=name, problem=error), 403
+    return _redirect_with_login(token, url_for("research.overview"))
 
 
 def log_out() -> ResponseReturnValue:
@@ -213,7 +209,7 @@ def _second_factor_page(secret: str, problem: InputError | None = None) -> str:
     return page("second_factor", codes=(), secret=secret, picture=picture, problem=problem)
 
 
-def researchers(problem: InputError | None = None, new_link: str = "", for_name: str = "") -> str:
+def researchers(new_link: str = "", for_name: str = "") -> str:
     """Show the researchers of the study, and the usable links."""
     site = current_site()
     return page(
@@ -222,7 +218,6 @@ def researchers(problem: InputError | None = None, new_link: str = "", for_name:
         links=list_usable_links(site.database, site.clock.now()),
         roles=ROLES,
         rights=RIGHTS,
-        problem=problem,
         new_link=new_link,
         for_name=for_name,
     )
@@ -231,10 +226,7 @@ def researchers(problem: InputError | None = None, new_link: str = "", for_name:
 def invite_researcher() -> ResponseReturnValue:
     """Make an invitation, and show its link this once."""
     site = current_site()
-    try:
-        token = invite(site.database, site.clock, role=chosen_role(), by=researcher().name)
-    except InputError as error:
-        return researchers(problem=error), 422
+    token = invite(site.database, site.clock, role=chosen_role(), by=researcher().name)
     return researchers(new_link=_link(token))
 
 
@@ -242,39 +234,29 @@ def offer_password(researcher_id: int) -> ResponseReturnValue:
     """Make a link for a new password, and show it this once."""
     site = current_site()
     names = {account.id: account.name for account in list_accounts(site.database)}
-    try:
-        name, by = names.get(researcher_id, ""), researcher().name
-        token = offer_new_password(site.database, site.clock, name=name, by=by)
-    except InputError as error:
-        return researchers(problem=error), 422
+    name = names.get(researcher_id, "")
+    token = offer_new_password(site.database, site.clock, name=name, by=researcher().name)
     return researchers(new_link=_link(token), for_name=name)
 
 
 def take_link_back(link_id: int) -> ResponseReturnValue:
     """Make a link unusable."""
-    site = current_site()
-    revoke_link(site.database, site.clock, link_id, by=researcher().name)
-    return redirect(url_for("research.researchers"), 303)
+    return _done(revoke_link, link_id)
 
 
 def give_role(researcher_id: int) -> ResponseReturnValue:
     """Give a researcher another role."""
-    site, by = current_site(), researcher().name
-    return _done(
-        lambda: change_role(site.database, site.clock, researcher_id, chosen_role(), by=by),
-    )
+    return _done(change_role, researcher_id, chosen_role())
 
 
 def shut_researcher_out(researcher_id: int) -> ResponseReturnValue:
     """Let a researcher log in no more."""
-    site, by = current_site(), researcher().name
-    return _done(lambda: set_access(site.database, site.clock, researcher_id, allowed=False, by=by))
+    return _done(set_access, researcher_id, allowed=False)
 
 
 def let_researcher_in(researcher_id: int) -> ResponseReturnValue:
     """Let a researcher log in again."""
-    site, by = current_site(), researcher().name
-    return _done(lambda: set_access(site.database, site.clock, researcher_id, allowed=True, by=by))
+    return _done(set_access, researcher_id, allowed=True)
 
 
 def _link(token: str) -> str:
@@ -286,11 +268,10 @@ def _link(token: str) -> str:
     return current_site().origin + url_for("research.link", token=token)
 
 
-def _done(change: Callable[[], None]) -> ResponseReturnValue:
-    try:
-        change()
-    except InputError as error:
-        return researchers(problem=error), 422
+def _done(change: Callable[..., None], *arguments: object, **more: object) -> ResponseReturnValue:
+    """Make a change of accounts or links, and show them."""
+    site = current_site()
+    change(site.database, site.clock, *arguments, by=researcher().name, **more)
     return redirect(url_for("research.researchers"), 303)
 
 

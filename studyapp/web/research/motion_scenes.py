@@ -132,12 +132,7 @@ def viewer_avatar(avatar: str) -> Response:
     """Send the body of an avatar."""
     if avatar not in get_args(Avatar):
         abort(404)
-    try:
-        body = _avatar(avatar)
-    except SideProcessError as error:
-        current_app.logger.error("An avatar cannot be shown: %s", error)
-        abort(404)
-    response = Response(body, mimetype="application/octet-stream")
+    response = Response(_avatar(avatar), mimetype="application/octet-stream")
     response.cache_control.max_age = current_app.get_send_file_max_age("")
     return response
 

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from typing import Any, Final, Literal, cast
 
-from flask import Response, abort, g, render_template, request, url_for
+from flask import Response, abort, g, render_template, request
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
@@ -39,10 +39,6 @@ COOKIE: Final = TokenCookie("research", path=PREFIX)
 
 REFRESHED: Final = "refreshed"
 """In the address if a page refreshes itself, which does not show that anybody is there."""
-
-PAGE: Final = re.compile(r"/research/[A-Za-z0-9_/-]*(\?[A-Za-z0-9_=&%.+-]*)?")
-LONGEST: Final = 500
-NOT_AFTER_LOGIN: Final = ("/research/log-in", "/research/log-out", "/research/join/")
 
 
 def form_code(token: str) -> str:
@@ -111,26 +107,6 @@ def with_login(response: Response, token: str | None) -> Response:
     g.pop("new_research_cookie", None)
     COOKIE.send(response, current_site().name, token or new_token())
     return response
-
-
-def requested_page() -> str:
-    """Return the page to come back to after logging in; empty if there is none."""
-    if request.method != "GET":
-        return ""
-    path = request.path if REFRESHED in request.args else request.full_path.removesuffix("?")
-    return path if _is_own_page(path) else ""
-
-
-def address_after_login(next_page: str) -> str:
-    """Return the address of `next_page`, or of the overview if it is no page of this server."""
-    if _is_own_page(next_page):
-        return request.script_root + next_page
-    return url_for("research.overview")
-
-
-def _is_own_page(page: str) -> bool:
-    inside = PAGE.fullmatch(page) is not None and "//" not in page and len(page) <= LONGEST
-    return inside and not page.startswith(NOT_AFTER_LOGIN)
 
 
 def moment(at: datetime) -> str:

@@ -22,7 +22,6 @@ from studyapp.web.research.page import (
     problem_page,
     recognise,
     refusal_page,
-    requested_page,
     visitor,
     visitor_cookie,
 )
@@ -61,7 +60,7 @@ def guard(
             return None
         account = visitor()
         if account is None:
-            return redirect(url_for("research.login", next=requested_page() or None), 303)
+            return redirect(url_for("research.login"), 303)
         if right is None or not account.may(right):
             return problem_page(
                 "This page is not for your role", "An owner can give you another.", 403

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
-from flask import Response, abort, redirect, request, url_for
+from flask import Response, abort, current_app, redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.database.engine import Database
 from studyapp.monitoring.one_study_session import contents_shown, one_study_session
 from studyapp.monitoring.overview import over_because
 from studyapp.monitoring.overview import overview as overview_of
@@ -57,33 +54,15 @@ from studyapp.web.research.page import Data, is_rehearsed, open_data, page, rese
 from studyapp.web.site import study_site
 
 
-@dataclass(frozen=True, kw_only=True)
-class Naming:
-    """How a page may name participants.
-
-    Attributes
-    ----------
-    key : PseudonymKey or None
-    reason : str
-        Why there are no pseudonyms, as a sentence; empty if there are, or if the researcher may
-        not see them.
-    """
-
-    key: PseudonymKey | None
-    reason: str = ""
-
-
-def naming() -> Naming:
-    """Return how the page may name participants; this draws no key."""
+def pseudonym_key() -> PseudonymKey | None:
+    """Return the key of pseudonyms, if the researcher may see them; this draws none."""
     if not researcher().may(Right.READ):
-        return Naming(key=None)
+        return None
     try:
-        key = PseudonymKey.read(StudyFolder(study_site().folder).pseudonym_key)
-    except InputError as error:
-        return Naming(key=None, reason=f"Pseudonyms cannot be shown: {error.what}.")
-    except OSError:
-        return Naming(key=None, reason="Pseudonyms cannot be shown: the server may not read them.")
-    return Naming(key=key, reason="" if key else "Pseudonyms are drawn at the first export.")
+        return PseudonymKey.read(StudyFolder(study_site().folder).pseudonym_key)
+    except (InputError, OSError) as error:
+        current_app.logger.error("Pseudonyms cannot be shown: %s", error)
+        return None
 
 
 FILTERS: Final = ("standing", "arm", "left_at", "check", "failed", "earlier", "excluded", "order")
@@ -115,18 +94,18 @@ def overview(data: Data) -> ResponseReturnValue:
 def study_sessions(data: Data) -> ResponseReturnValue:
     """List study sessions, or go to the one with the given name or number."""
     site = study_site()
-    selection, names, called = _selection(), naming(), request.args.get("called", "")
+    selection, key, called = _selection(), pseudonym_key(), request.args.get("called", "")
     number = _number("page") or 1
     with open_data(data) as database:
         with database.reading() as session:
-            match = find_number_by_name(session, names.key, called) if called else None
+            match = find_number_by_name(session, key, called) if called else None
             if match is None and called and researcher().may(Right.NAME):
                 match = find_number_by_recruiter(session, called)
         if match is not None:
             return redirect(url_for("research.study_session", data=data, number=match), 303)
         listed = list_study_sessions(database, site.served, selection, site.clock.now())
         shown = rows_on_page(listed, number)
-        pseudonyms = _pseudonyms(database, names, [each.id for each in shown])
+        pseudonyms = pseudonyms_of(database, key, [each.id for each in shown]) if key else {}
     return page(
         "study_sessions",
         data=data,
@@ -134,7 +113,7 @@ def study_sessions(data: Data) -> ResponseReturnValue:
         called=called,
         count=len(listed),
         shown=shown,
-        naming=names,
+        has_pseudonyms=key is not None,
         pseudonyms=pseudonyms,
         page_number=number,
         pages=page_numbers(listed),
@@ -144,25 +123,20 @@ def study_sessions(data: Data) -> ResponseReturnValue:
     )
 
 
-def study_session(
-    data: Data, number: int, *, problem: InputError | None = None, reason: str = ""
-) -> str:
-    """Show one study session, and the problem of a submitted decision."""
-    site, names = study_site(), naming()
+def study_session(data: Data, number: int) -> str:
+    """Show one study session."""
+    site, key = study_site(), pseudonym_key()
     with open_data(data) as database:
         details = one_study_session(database, site.served, number, site.clock.now())
         if details is None:
             abort(404)
-        pseudonym = _pseudonyms(database, names, [number]).get(number, "")
+        pseudonym = pseudonyms_of(database, key, [number]).get(number, "") if key else ""
     return page(
         "study_session",
         data=data,
         study_session=details,
-        naming=names,
         pseudonym=pseudonym,
         rules=[rule.to_rule().description for rule in site.study.settled_exclusions],
-        problem=problem,
-        reason=reason,
     )
 
 
@@ -236,10 +210,6 @@ def _selection() -> Selection:
     )
 
 
-def _pseudonyms(database: Database, names: Naming, numbers: Sequence[int]) -> Mapping[int, str]:
-    return pseudonyms_of(database, names.key, numbers) if names.key else {}
-
-
 def _number(name: str) -> int | None:
     """Return a number in the address, None if there is none."""
     return _read_number(request.args.get(name, ""))
@@ -255,19 +225,20 @@ DECISIONS = {"exclude": True, "reinstate": False}
 
 def decide_about(number: int) -> ResponseReturnValue:
     """Exclude the participant of a study session from the analysis, or reinstate them."""
-    site, reason = study_site(), request.form.get("reason", "")
-    try:
-        excluded = DECISIONS.get(request.form.get("decision", ""))
-        if excluded is None:
-            raise InputError("nothing was chosen", remedy=f"Choose one of {', '.join(DECISIONS)}")
-        by = researcher().name
-        decide_exclusion(site.database, site.clock, number, excluded=excluded, by=by, reason=reason)
-    except InputError as error:
-        return study_session("study", number, problem=error, reason=reason), 422
+    site = study_site()
+    excluded = DECISIONS.get(request.form.get("decision", ""))
+    if excluded is None:
+        raise InputError("nothing was chosen", remedy=f"Choose one of {', '.join(DECISIONS)}")
+    decide_exclusion(site.database, site.clock, number, excluded=excluded, **_stated())
     return redirect(url_for("research.study_session", data="study", number=number), 303)
 
 
-def newcomers(problem: InputError | None = None, reason: str = "") -> str:
+def _stated() -> dict[str, str]:
+    """Return who decides, and the reason given."""
+    return {"by": researcher().name, "reason": request.form.get("reason", "")}
+
+
+def newcomers() -> str:
     """Show whether newcomers are admitted, who decided so, and the forms to decide otherwise."""
     site = study_site()
     decisions = intake_changes(site.database)
@@ -275,8 +246,6 @@ def newcomers(problem: InputError | None = None, reason: str = "") -> str:
         "newcomers",
         decisions=decisions,
         state=decisions[0].state if decisions else "open",
-        problem=problem,
-        reason=reason,
         most=MAX_ADDED_PLACES,
         link=site.study.recruitment.link(site.origin + url_for("entrance.arrive")),
     )
@@ -284,24 +253,16 @@ def newcomers(problem: InputError | None = None, reason: str = "") -> str:
 
 def steer_newcomers() -> ResponseReturnValue:
     """Admit newcomers, or stop admitting them."""
-    site, reason = study_site(), request.form.get("reason", "")
+    site = study_site()
     state = next((name for name in STATES if name == request.form.get("state")), None)
-    try:
-        if state is None:
-            raise InputError("nothing was chosen", remedy=f"Choose one of {', '.join(STATES)}")
-        by = researcher().name
-        change_intake(site.database, site.served, site.clock, state, by=by, reason=reason)
-    except InputError as error:
-        return newcomers(error, reason), 422
+    if state is None:
+        raise InputError("nothing was chosen", remedy=f"Choose one of {', '.join(STATES)}")
+    change_intake(site.database, site.served, site.clock, state, **_stated())
     return redirect(url_for("research.newcomers"), 303)
 
 
 def want_more() -> ResponseReturnValue:
     """Open more places in every arm."""
-    site, reason = study_site(), request.form.get("reason", "")
-    try:
-        more, by = _read_number(request.form.get("more", "")) or 0, researcher().name
-        add_places(site.database, site.served, site.clock, more, by=by, reason=reason)
-    except InputError as error:
-        return newcomers(error, reason), 422
+    site, more = study_site(), _read_number(request.form.get("more", "")) or 0
+    add_places(site.database, site.served, site.clock, more, **_stated())
     return redirect(url_for("research.newcomers"), 303)

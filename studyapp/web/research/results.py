@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
 
 from flask import abort, redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
-from analysis.stats.multiple_testing import LEVEL, equally_spaced, false_positive_rate
-from motion.errors import InputError
+from analysis.stats.multiple_testing import LEVEL, false_positive_rate
 from studyapp.database.tables.researchers import Look
 from studyapp.monitoring.counts import PlaceCounts
 from studyapp.monitoring.overview import over_because, places_so_far
@@ -19,9 +17,6 @@ from studyapp.researchers.logins import UNBLINDED_FOR, unblind, unblinding_reaso
 from studyapp.session.intake import is_closed
 from studyapp.web.research.page import page, researcher, visitor_cookie
 from studyapp.web.site import study_site
-
-TABLED: Final = (1, 2, 3, 5, 10, 20)
-"""Numbers of looks for which the page tells the rate of false positives."""
 
 
 def results() -> ResponseReturnValue:
@@ -63,26 +58,19 @@ def ask_for_results() -> ResponseReturnValue:
     site, token, reason = study_site(), visitor_cookie(), request.form.get("reason", "")
     if token is None:
         abort(403)
-    try:
-        unblind(site.database, site.clock, token, by=researcher().name, reason=reason)
-    except InputError as error:
-        places = places_so_far(site.database, site.served, site.clock.now())
-        return _reason_page(places, error, reason), 422
+    unblind(site.database, site.clock, token, by=researcher().name, reason=reason)
     return redirect(url_for("research.results"), 303)
 
 
-def _reason_page(places: PlaceCounts, problem: InputError | None = None, reason: str = "") -> str:
+def _reason_page(places: PlaceCounts) -> str:
     site = study_site()
     earlier_looks = latest_looks(site.database)
     return page(
         "unblind",
-        problem=problem,
-        reason=reason,
         looks=earlier_looks,
         places=places,
         is_closed=is_closed(site.database, site.study),
         level=LEVEL,
-        rates=[(count, equally_spaced(count)) for count in TABLED],
         without=_rate(earlier_looks, places, looking=False),
         looking=_rate(earlier_looks, places, looking=True),
         minutes=round(UNBLINDED_FOR.total_seconds() / 60),

@@ -61,21 +61,20 @@ async function ask(address, options) {
 
 async function upload(file, of, row) {
   const what = { condition: of, name: file.name, size: file.size, changed: file.lastModified };
-  const address = (more) => `${form.dataset.uploads}?${new URLSearchParams({ ...what, ...more })}`;
-  let [here, seconds] = [null, 1];
-  while (here === null || here < file.size) {
-    let body = null;
-    if (here !== null) {
-      try {
-        body = await file.slice(here, here + piece).arrayBuffer();
-      } catch {
-        row.refuse(`The file ${file.name} has been changed or moved. Choose it again.`);
-        return;
-      }
+  const address = (offset) => `${form.dataset.uploads}?${new URLSearchParams({ ...what, offset })}`;
+  // The server tells where to go on, also if that is not at the beginning.
+  let [here, seconds] = [0, 1];
+  do {
+    let body;
+    try {
+      body = await file.slice(here, here + piece).arrayBuffer();
+    } catch {
+      row.refuse(`The file ${file.name} has been changed or moved. Choose it again.`);
+      return;
     }
     try {
       const options = { method: "POST", body, headers: { "Form-Code": code } };
-      const told = body ? await ask(address({ offset: here }), options) : await ask(address({}));
+      const told = await ask(address(here), options);
       if (told.problem) {
         row.refuse(told.problem);
         return;
@@ -87,9 +86,8 @@ async function upload(file, of, row) {
       row.describe("Waiting for the server …");
       await pause(seconds);
       seconds = Math.min(2 * seconds, LONGEST_PAUSE);
-      here = null;
     }
-  }
+  } while (here < file.size);
 }
 
 function goOn() {

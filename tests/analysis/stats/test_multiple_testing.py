@@ -10,7 +10,6 @@ from statsmodels.stats.multitest import multipletests
 from analysis.stats.multiple_testing import (
     NOT_LOGGED,
     Look,
-    equally_spaced,
     false_positive_rate,
     holm,
     looks_before,
@@ -35,7 +34,7 @@ PUBLISHED = {1: 0.050, 2: 0.083, 3: 0.107, 5: 0.142, 10: 0.193, 50: 0.320, 100: 
 
 @pytest.mark.parametrize(("looks", "rate"), PUBLISHED.items())
 def test_equally_spaced_looks_have_the_published_error_rates(looks: int, rate: float) -> None:
-    assert equally_spaced(looks) == pytest.approx(rate, abs=6e-4)
+    assert false_positive_rate(range(1, looks + 1)) == pytest.approx(rate, abs=6e-4)
 
 
 def test_error_rates_of_unequal_looks_match_simulation() -> None:
@@ -70,7 +69,7 @@ def test_looks_at_the_reported_answers_do_not_count_as_earlier() -> None:
     result = looks_before([LOOK, LATER, NOW, NOW], finished=30, answers=300)
 
     assert (result.count, result.looks, result.finished) == (2, (LOOK, LATER), (10, 20))
-    assert result.false_positive_rate == pytest.approx(equally_spaced(3))
+    assert result.false_positive_rate == pytest.approx(false_positive_rate(range(1, 4)))
     assert result.reason == ""
 
 

@@ -23,12 +23,11 @@ IN_A_STUDY: dict[Role, set[str]] = {
     "viewer": {
         *("study_page", "open_study_pages", "take_part_as_test", "texts"),
         *("job", "job_archive", "job_file"),
-        *("material", "clip", "clip_video", "clip_scene", "segment_motion", "segment_scene"),
+        *("material", "clip_video", "segment_page", "segment_scene"),
     },
     "analyst": {
         *("settings", "save_settings", "start_job", "stop_running_job"),
-        *("remove_clip", "remove_segment"),
-        *("bring_in", "remove_upload", "uploaded", "take_piece"),
+        *("remove_material", "bring_in", "remove_upload", "take_piece"),
     },
     "owner": {"begin_new_version", "invite_to_study"},
 }

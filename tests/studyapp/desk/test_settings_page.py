@@ -36,11 +36,7 @@ def test_the_file_is_saved_as_typed(tiny: LabStudy, ada: ResearchBrowser, file: 
     assert file.read_text("utf-8") == text.rstrip() + "\n"
     assert "Gestures – once more" in ada.get("/research/").text
     newest = latest_changes(tiny.database)[0]
-    assert (newest.researcher, event_label(newest), newest.detail) == (
-        "Ada",
-        "study file edited",
-        "2 lines removed or added",
-    )
+    assert (newest.researcher, event_label(newest)) == ("Ada", "study file edited")
 
 
 def test_an_invalid_file_is_not_saved_and_its_line_is_shown(
@@ -60,22 +56,17 @@ def test_an_invalid_file_is_not_saved_and_its_line_is_shown(
     assert "tiny" in ada.get("/research/").text
 
 
-@pytest.mark.parametrize(
-    ("number", "remedy"), [(errno.ENOSPC, "make room on its disk"), (errno.EIO, "look at its log")]
-)
 def test_a_failing_disk_loses_nothing_that_was_typed(
     ada: ResearchBrowser,
     lab: Lab,
     file: Path,
     monkeypatch: pytest.MonkeyPatch,
     caplog: pytest.LogCaptureFixture,
-    number: int,
-    remedy: str,
 ) -> None:
     page, before = ada.get(SETTINGS), file.read_text("utf-8")
 
     def fail(_from: Path, _to: Path) -> Path:
-        raise OSError(number, os.strerror(number))
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     segment = ada.get(f"{TINY}jobs/figure").soup.select("#segment option")[-1].text
     monkeypatch.setattr(Path, "replace", fail)
@@ -89,11 +80,10 @@ def test_a_failing_disk_loses_nothing_that_was_typed(
     ):
         answer = ada.post(address, **fields)
         assert answer.status_code in (409, 422), address
-        assert os.strerror(number) in answer.text
-        assert remedy in answer.text
+        assert os.strerror(errno.ENOSPC) in answer.text
         assert words in answer.text
     assert file.read_text("utf-8") == before
-    assert caplog.text.count(os.strerror(number)) == 4
+    assert caplog.text.count(os.strerror(errno.ENOSPC)) == 4
     assert not (lab.folder / "made").exists(), "its name stays free"
 
 
@@ -139,10 +129,9 @@ def test_the_number_of_participants_may_change_while_people_take_part(
     assert taken.standing().wanted == 6
 
 
-def test_alarms_that_cannot_be_sent_are_announced_on_the_studys_page(
+def test_a_study_whose_alarms_cannot_be_sent_is_not_served_and_says_why(
     ada: ResearchBrowser, file: Path
 ) -> None:
-    assert "No alarm" not in ada.get(TINY).text
     file.write_text(file.read_text("utf-8") + '\n[alarms]\nmail = ["ada@example.org"]\n', "utf-8")
     assert "no mail server is named" in ada.get(TINY).text
 

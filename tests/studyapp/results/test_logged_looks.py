@@ -15,7 +15,6 @@ from sqlalchemy import update
 from analysis.stats.multiple_testing import (
     NOT_LOGGED,
     LooksBefore,
-    equally_spaced,
     false_positive_rate,
 )
 from studyapp.database.tables.study_session import IntakeChange, StudySession
@@ -91,7 +90,7 @@ def test_reports_list_earlier_looks_also_in_another_lab(
     assert noted(there) == ""
     found = json.loads(page.with_name("results.json").read_bytes())["looks"]
     assert (found["count"], found["finished"]) == (4, [0, 1])
-    assert found["false_positive_rate"] == pytest.approx(equally_spaced(2))
+    assert found["false_positive_rate"] == pytest.approx(false_positive_rate(range(1, 3)))
     assert [(one["day"], one["by"], one["reason"], one["times"]) for one in found["looks"]] == [
         ("2026-05-04", "researcher 1", "=videos <stalled>", 3),
         ("2026-05-04", "researcher 2", "curious", 1),

@@ -72,9 +72,9 @@ UNUSABLE: list[tuple[dict[str, str | list[str]], str]] = [
     ({"rhythm": "1.0", "emotion": "0"}, "not one of the choices"),
     ({"rhythm": "-0", "emotion": "0"}, "not one of the choices"),
     ({"rhythm": "1\n", "emotion": "0"}, "not one of the choices"),
-    ({"rhythm": "1"}, "Question 2 is not answered"),
-    ({}, "Questions 1 and 2 are not answered"),
-    ({"rhythm": "1", "emotion": "0", "extra": "1"}, "does not ask"),
+    ({"rhythm": "1"}, "not answered yet: 2"),
+    ({}, "not answered yet: 1 and 2"),
+    ({"rhythm": "1", "emotion": "0", "extra": "1"}, "not one of the choices"),
 ]
 
 
@@ -113,12 +113,12 @@ def ranks(shown: ShownTrial) -> dict[str, str | list[str]]:
 UNUSABLE_RANKINGS: list[tuple[dict[str, str | list[str]], str]] = [
     ({"realism:2": "1"}, "same rank"),
     ({"realism:2": "3"}, "not one of the choices"),
-    ({"realism:2": []}, "Question 1 about B is not answered"),
-    ({"realism:2": [""]}, "Question 1 about B is not answered"),
-    ({"realism:0": "1"}, "does not ask"),
+    ({"realism:2": []}, "not answered yet: 1 about B"),
+    ({"realism:2": [""]}, "not answered yet: 1 about B"),
+    ({"realism:0": "1"}, "not one of the choices"),
     ({"realism:2": ["1", "2"]}, "not one of the choices"),
-    ({"realism:reasons": "face"}, "reason was ticked"),
-    ({"realism:1:reasons": "face"}, "does not ask"),
+    ({"realism:reasons": "face"}, "not one of the choices"),
+    ({"realism:1:reasons": "face"}, "not one of the choices"),
 ]
 
 

@@ -21,7 +21,6 @@ def test_refusals_are_logged_up_to_a_limit_and_never_for_a_full_study(
     participant: Participant, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(refusal, "MAX_LOGGED", 3)
-    monkeypatch.setattr(refusal, "MAX_LOGGED_OF_UNKNOWN", 2)
 
     for kind in (StudyFullError, ConflictError, UnknownAddressError):
         token = "nobody" if kind is UnknownAddressError else participant.token
@@ -33,7 +32,7 @@ def test_refusals_are_logged_up_to_a_limit_and_never_for_a_full_study(
         lines = session.scalars(select(RefusalLine).order_by(RefusalLine.id))
         assert [(line.study_session_id, line.kind) for line in lines] == [
             *[(1, "stale-page")] * 3,
-            *[(None, "unknown-address")] * 2,
+            *[(None, "unknown-address")] * 3,
         ]
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.session.served_study import ServedStudy
-from studyapp.stimuli.publishing import MARK_BYTES, Publication, allow_origin, publish
+from studyapp.stimuli.publishing import MARK_BYTES, Publication, publish, require_loading
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from studyapp.web.media_store import FILE, Place, PublishedVideo, digests_of, read_published
@@ -101,17 +101,18 @@ def test_rendering_one_video_again_republishes_all(tiny_study: Path, s3_store: S
     assert not before & names_of(tiny_study)
 
 
-def test_allowed_origins_are_added(tiny_study: Path, s3_store: Store) -> None:
+def test_a_store_must_let_the_studys_pages_load_and_nobody_without_a_signature(
+    tiny_study: Path, s3_store: Store
+) -> None:
     folder = StudyFolder(tiny_study)
     publish(folder, place_in(s3_store, ""), silent)
-
-    for origin in (ORIGIN, "https://other.example.org", ORIGIN):
-        allow_origin(folder, origin)
-
-    assert s3_store.origins == [ORIGIN, "https://other.example.org"]
+    with pytest.raises(InputError, match=r"does not let pages of .* load from it"):
+        require_loading(folder, ORIGIN)
+    s3_store.origins = [ORIGIN]
+    require_loading(folder, ORIGIN)
     s3_store.public = True
     with pytest.raises(InputError, match="anybody can load from it"):
-        allow_origin(folder, ORIGIN)
+        require_loading(folder, ORIGIN)
 
 
 def test_wrong_keys_and_a_missing_store_are_reported(

@@ -104,15 +104,15 @@ def speaking(code: str) -> Flask:
 @pytest.mark.parametrize(
     ("code", "message"),
     [
-        ("en", "Questions 1, 2 about B and 3 are not answered yet. Please wait."),
-        ("de", "Die Fragen 1, 2 zu B und 3 sind noch nicht beantwortet. Please wait."),
-        ("ja", "質問1、2（B）、3にまだ回答していません。Please wait."),
+        ("en", "Questions not answered yet: 1, 2 about B and 3. Please wait."),
+        ("de", "Noch nicht beantwortete Fragen: 1, 2 zu B und 3. Please wait."),
+        ("ja", "まだ回答していない質問：1、2（B）、3。Please wait."),
     ],
 )
 def test_a_refusal_is_shown_in_full_with_its_list(code: str, message: str) -> None:
     about = Message("{number} about {letter}", number=2, letter="B")
     refusal = UnacceptableError(
-        "Questions {numbers} are not answered yet.", "Please wait.", numbers=(1, about, 3)
+        "Questions not answered yet: {numbers}.", "Please wait.", numbers=(1, about, 3)
     )
 
     with speaking(code).test_request_context():

@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from urllib.parse import parse_qsl, quote, urlencode, urlsplit
 from wsgiref.types import StartResponse, WSGIEnvironment
-from xml.etree import ElementTree
 from xml.sax.saxutils import escape
 
 import pytest
@@ -90,26 +89,10 @@ class Store:
         if not (self.public and request.method == "GET") and (refused := _refusal(request, body)):
             return _failure(403, refused)
         if not name:
-            return (
-                self._cors(request.method, body) if "cors" in request.args else self._list(request)
-            )
+            return self._list(request)
         if request.method == "PUT":
             return self._put(name, request, body)
         return self._get(name, request)
-
-    def _cors(self, method: str, body: bytes) -> Response:
-        if method == "PUT":
-            found = ElementTree.fromstring(body).iter()  # noqa: S314 - made by boto3
-            self.origins = [each.text or "" for each in found if each.tag.endswith("AllowedOrigin")]
-            return Response()
-        if not self.origins:
-            return _failure(404, "NoSuchCORSConfiguration")
-        rules = "".join(
-            f"<CORSRule><AllowedOrigin>{escape(each)}</AllowedOrigin>"
-            "<AllowedMethod>GET</AllowedMethod></CORSRule>"
-            for each in self.origins
-        )
-        return _xml(f"<CORSConfiguration>{rules}</CORSConfiguration>")
 
     def _list(self, request: Request) -> Response:
         start = int(request.args.get("continuation-token", 0))

@@ -189,7 +189,7 @@ def test_a_stored_script_is_escaped(log_in: LogIn) -> None:
     assert {f"/research/{name}" for name in stored_on} <= shown
 
 
-ASKING = ("", "study-sessions?arm=", "study-sessions?called=", "preview?arm=", "log-in?next=")
+ASKING = ("", "study-sessions?arm=", "study-sessions?called=", "preview?arm=")
 
 VIDEOS_AND_FILES = {
     "/research/preview/1/1/1/media/1.mp4",
@@ -216,7 +216,6 @@ ODD = [
     "/research/changes?before=-1",
     "/research/join/..%2f..%2fstudy.toml",
     "/research/join/%00",
-    "/research/log-in?next=%00",
     "/research/rehearsal/",
 ]
 

@@ -45,8 +45,8 @@ def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
 
     before = analyst.get(RESULTS).text
     assert "rule based" not in before
-    assert "False positives" in before
-    assert analyst.post(RESULTS, reason="  ").status_code == 422
+    assert "does not exist more often" in before
+    assert analyst.post(RESULTS, reason="  ").status_code == 409
     assert latest_looks(log_in.stored) == []
     assert analyst.post(RESULTS, reason="a video <b>broke</b>").status_code == 303
     waiting = analyst.get(RESULTS).text
