@@ -19,7 +19,7 @@ from studyapp.desk.job_kinds import (
 )
 from studyapp.desk.jobs import Job, job_log, job_standings, run_job, stop_job
 from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import page, writing_files, wrong_role
+from studyapp.desk.page import page, wrong_role
 from studyapp.researchers.account import Right
 from studyapp.web.research.pages import Page
 
@@ -46,8 +46,7 @@ def start_job(study: OpenedStudy, kind: str) -> ResponseReturnValue:
             began_at=current_lab().clock.now(),
             packed=job_kind.packed,
         )
-        with writing_files():
-            run_job(study.folder.jobs, job)
+        run_job(study.folder.jobs, job)
     except InputError as error:
         return _page(study, job_kind, problem=error), 409
     _log(study, Event.JOB_BEGUN, job_kind.title)

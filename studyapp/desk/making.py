@@ -15,7 +15,7 @@ from motion.errors import InputError
 from motion.files import write_text
 from studyapp.desk.lab import LabStudy, check_study_name, current_lab
 from studyapp.desk.membership import own_study
-from studyapp.desk.page import page, writing_files
+from studyapp.desk.page import page
 from studyapp.researchers.account import Right
 from studyapp.study import interview
 from studyapp.study.folder import StudyFolder
@@ -50,8 +50,7 @@ def make_study() -> ResponseReturnValue:
         root = current_lab().folder / name
         definition = StudyFolder(root).definition
         text = render_study_file(_requested_study(name, root), where=definition.name)
-        with writing_files():
-            _make_folder(definition, text)
+        _make_folder(definition, text)
     except InputError as error:
         return _page(request.form.to_dict(), error), 422
     return redirect(url_for("research.study_page", study=name), 303)

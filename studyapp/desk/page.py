@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from typing import Any, Final
 
-from flask import current_app
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
@@ -37,19 +35,6 @@ def at_the_desk(text: str) -> str:
 def problem_at_the_desk(error: InputError) -> InputError:
     """Return an error in the words of the desk's pages."""
     return InputError(at_the_desk(error.what), where=error.where, remedy=at_the_desk(error.remedy))
-
-
-@contextmanager
-def writing_files() -> Iterator[None]:
-    """Make an error of what fails to be written, so that a page shows it and keeps its form."""
-    try:
-        yield
-    except OSError as error:
-        current_app.logger.error("Files cannot be written: %s", error)
-        raise InputError(
-            f"the server cannot write this ({error.strerror})",
-            remedy="Ask whoever runs the server to look at its disk and its log, then try again",
-        ) from error
 
 
 def wrong_role() -> ResponseReturnValue:

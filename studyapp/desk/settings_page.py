@@ -14,7 +14,7 @@ from flask.typing import ResponseReturnValue
 from motion.errors import InputError, listed
 from studyapp.database.tables.researchers import Event
 from studyapp.desk.lab import OpenedStudy
-from studyapp.desk.page import page, writing_files
+from studyapp.desk.page import page
 from studyapp.researchers.account import Right
 from studyapp.session.versions import definition_in_use
 from studyapp.study.settings.reading import parse_text, read_study, read_text
@@ -81,8 +81,7 @@ def _save(study: OpenedStudy, text: str, digest: str) -> None:
     # The study's database makes all processes of the server wait for each other.
     with study.database.writing() as session:
         before = read_text(study.folder.definition)
-        with writing_files():
-            replace_text(study.folder.definition, text, seen=digest)
+        replace_text(study.folder.definition, text, seen=digest)
         if text != before:
             study.log(session, Event.DEFINITION_EDITED, "")
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import errno
-import os
 import shutil
 from pathlib import Path
 
@@ -54,37 +52,6 @@ def test_an_invalid_file_is_not_saved_and_its_line_is_shown(
     # A file that somebody breaks on the server does not hide its study.
     file.write_text(text, "utf-8")
     assert "tiny" in ada.get("/research/").text
-
-
-def test_a_failing_disk_loses_nothing_that_was_typed(
-    ada: ResearchBrowser,
-    lab: Lab,
-    file: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    caplog: pytest.LogCaptureFixture,
-) -> None:
-    page, before = ada.get(SETTINGS), file.read_text("utf-8")
-
-    def fail(_from: Path, _to: Path) -> Path:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    segment = ada.get(f"{TINY}jobs/figure").soup.select("#segment option")[-1].text
-    monkeypatch.setattr(Path, "replace", fail)
-    questions = {"question-synchronisation": "Which?", "question-emotion": "And?"}
-    made = {"template": "pairwise", "name": "made", "ethics": "Typed words"} | questions
-    for address, fields, words in (
-        (SETTINGS, {"text": f"{before}# typed words\n", "seen": digest_of(page)}, "# typed words"),
-        ("/research/make/study", made, "Typed words"),
-        (f"{TINY}jobs/rehearse", {"participants": "73"}, 'value="73"'),
-        (f"{TINY}jobs/figure", {"figure": "grid", "segment": segment}, f"selected>{segment}<"),
-    ):
-        answer = ada.post(address, **fields)
-        assert answer.status_code in (409, 422), address
-        assert os.strerror(errno.ENOSPC) in answer.text
-        assert words in answer.text
-    assert file.read_text("utf-8") == before
-    assert caplog.text.count(os.strerror(errno.ENOSPC)) == 4
-    assert not (lab.folder / "made").exists(), "its name stays free"
 
 
 def test_a_colleagues_concurrent_change_is_shown_and_kept(ada: ResearchBrowser, file: Path) -> None:

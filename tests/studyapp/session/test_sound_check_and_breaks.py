@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -84,14 +83,17 @@ def test_a_study_without_sound_has_no_sound_check(listener: Participant) -> None
     assert listener.begin().look().state == "started"
 
 
-def test_participants_who_started_before_the_check_was_added_continue(
+def test_a_check_and_breaks_that_are_added_later_interrupt_no_trial(
     participant: Participant,
 ) -> None:
+    participant.take_trial()
+    participant.trial()
     study = participant.served.study
-    page = study.page.model_copy(update={"sound_check": True})
+    page = study.page.model_copy(update={"sound_check": True, "break_every": 1})
     participant.served = replace(participant.served, study=study.model_copy(update={"page": page}))
 
     assert participant.look().sound_tries is None
+    assert participant.trial().position == 2
 
 
 @pytest.fixture
@@ -130,17 +132,6 @@ def test_a_break_does_not_count_towards_the_next_trials_time(resting: Participan
     resting.do(leave_break, 3)
 
     assert resting.trial().minutes_left == offered
-
-
-def test_a_trial_that_was_shown_is_not_interrupted_by_a_new_rule(
-    participant: Participant, tiny_study: Path
-) -> None:
-    participant.take_trial()
-    participant.trial()
-    page = participant.served.study.page.model_copy(update={"break_every": 1})
-    object.__setattr__(participant.served.study, "page", page)
-
-    assert participant.trial().position == 2
 
 
 def test_the_time_left_follows_the_participants_own_pace(participant: Participant) -> None:

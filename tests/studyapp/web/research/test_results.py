@@ -8,7 +8,7 @@ import pytest
 from flask import Flask
 
 from studyapp.researchers.audit import event_label, latest_changes, latest_looks
-from studyapp.web.research.page import figure, interval, span
+from studyapp.web.research.page import figure, interval
 from studyapp.web.site import site_of
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
@@ -126,8 +126,3 @@ def test_without_answers_nothing_is_computed_and_no_look_is_logged(
 def test_numbers_match_the_report(value: float | None, measure: str, text: str) -> None:
     assert figure(value, measure) == text
     assert interval(value, value, measure) == ("–" if value is None else f"[{text}, {text}]")
-
-
-def test_durations_are_shown_in_units_of_their_size() -> None:
-    shown = [span(seconds) for seconds in (2.04, 125, 7260)]
-    assert shown == ["2.0 s", "2 min 05 s", "2 h 01 min"]
