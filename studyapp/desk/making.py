@@ -83,21 +83,12 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
     channel = form.get("channel", "link")
     if channel not in interview.CHANNEL_DESCRIPTIONS:
         abort(400)
-    conditions = None
     stated = [
         f"{condition.strip()}={source}"
         for condition, source in _condition_rows()
         if condition.strip()
     ]
-    if form.get("conditions") == "own":
-        conditions = read_conditions(stated, root)
-        if conditions is None:
-            raise InputError("no condition is named", remedy="Name two or more of them")
-    elif stated:
-        raise InputError(
-            "you have named conditions, but stand-ins are chosen",
-            remedy="Choose 'my own', or remove the names",
-        )
+    conditions = read_conditions(stated, root)
     default = _template_study(template, language)
     return StudyOptions(
         name=name,
@@ -156,7 +147,6 @@ def _page(form: Mapping[str, str], problem: InputError | None = None) -> str:
     defaults: dict[str, Any] = {
         "participants": template_participants(template),
         "trials": default.trials if isinstance(default, PairwiseStudy) else None,
-        "conditions": "stand-ins",
         "channel": "link",
         "avatar": default.video.avatar,
         "framing": "",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +12,6 @@ from typing import Any, Final, Literal
 
 from flask import Response, abort, redirect, request, send_file, url_for
 from flask.typing import ResponseReturnValue
-from pydantic import BaseModel, ConfigDict, ValidationError
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
@@ -35,22 +35,8 @@ from studyapp.web.research.pages import Page
 State = Literal["missing", "motion", "video"]
 
 
-class _CheckFinding(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True)
-
-    name: str
-    severity: str
-    where: str
-    what: str
-    remedy: str
-
-
-class _CheckRecord(BaseModel):
-    """What `motionjury check` writes down, see ``docs/check.schema.json``."""
-
-    model_config = ConfigDict(extra="ignore", frozen=True)
-
-    findings: tuple[_CheckFinding, ...] = ()
+Finding = Mapping[str, str]
+"""What `motionjury check` writes down of each, see ``docs/check.schema.json``."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +59,7 @@ class Cell:
     label: str
     source: Path
     video: Path | None
-    findings: tuple[_CheckFinding, ...]
+    findings: tuple[Finding, ...]
 
     @property
     def state(self) -> State:
@@ -91,7 +77,7 @@ class Cell:
     def is_bad(self) -> bool:
         """Whether something that is there must be fixed."""
         return self.state != "missing" and any(
-            finding.severity == "error" for finding in self.findings
+            finding["severity"] == "error" for finding in self.findings
         )
 
 
@@ -130,10 +116,10 @@ class Material:
                 self._shown_in[pair.segment, condition].append(pair.file)
         for copy in stimuli.copies:
             self._shown_in[copy.segment, copy.condition].append(copy.file)
-        self._findings: defaultdict[str, list[_CheckFinding]] = defaultdict(list)
+        self._findings: defaultdict[str, list[Finding]] = defaultdict(list)
         self.checked_at, findings = _read_findings(folder.root / RECORD)
         for finding in findings:
-            self._findings[finding.where].append(finding)
+            self._findings[finding["where"]].append(finding)
 
     def _cell(self, segment: str, condition: str) -> Cell:
         clip = self._clips.get((segment, condition), "")
@@ -156,14 +142,14 @@ class Material:
             findings=tuple(finding for file in files for finding in self._current_findings(file)),
         )
 
-    def _current_findings(self, file: str) -> list[_CheckFinding]:
+    def _current_findings(self, file: str) -> list[Finding]:
         """Return the findings of a file, unless it was changed or removed since the check."""
         findings = self._findings[file]
         try:
             # An upload keeps the time at which it was written elsewhere.
             changed_at = (self.folder.root / file).stat().st_ctime
         except OSError:
-            return [finding for finding in findings if finding.name == "video-missing"]
+            return [finding for finding in findings if finding["name"] == "video-missing"]
         return findings if changed_at <= self.checked_at else []
 
     def row(self, segment: str) -> list[Cell]:
@@ -175,12 +161,12 @@ class Material:
         return [(segment, self.row(name)) for name, segment in self.segments.items()]
 
 
-def _read_findings(record: Path) -> tuple[float, tuple[_CheckFinding, ...]]:
+def _read_findings(record: Path) -> tuple[float, tuple[Finding, ...]]:
     """Return when the study was last checked, and the findings; 0 and none if nobody can tell."""
     try:
-        checked = _CheckRecord.model_validate_json(record.read_bytes())
-        return record.stat().st_mtime, checked.findings
-    except (OSError, ValidationError):
+        findings = json.loads(record.read_bytes())["findings"]
+        return record.stat().st_mtime, tuple(findings)
+    except (OSError, ValueError):
         return 0.0, ()
 
 

@@ -26,17 +26,6 @@ from studyapp.web.research.pages import Page
 LINE: Final = re.compile(r"\bline (\d+)")
 
 
-class NewVersionError(InputError):
-    """What is to be saved can only be a new version of the study."""
-
-    def __init__(self, keys: tuple[str, ...]) -> None:
-        super().__init__(
-            f"people have taken part, and {listed(keys)} may not change under them",
-            remedy="Undo that, or save it as a new version: earlier answers are kept apart, and "
-            "unfinished participants of what has changed cannot go on",
-        )
-
-
 def settings(study: OpenedStudy) -> ResponseReturnValue:
     """Show the study file, to be edited."""
     text = read_text(study.folder.definition)
@@ -58,9 +47,15 @@ def save_settings(study: OpenedStudy) -> ResponseReturnValue:
     """Save the study file, unless it is wrong or somebody else has saved another one."""
     text = request.form.get("text", "").replace("\r\n", "\n").rstrip() + "\n"
     digest, is_new_version = request.form.get("seen", ""), "new_version" in request.form
+    keys: tuple[str, ...] = ()
     try:
-        if (keys := _changed_design(study, text)) and not is_new_version:
-            raise NewVersionError(keys)
+        keys = _changed_design(study, text)
+        if keys and not is_new_version:
+            raise InputError(
+                f"people have taken part, and {listed(keys)} may not change under them",
+                remedy="Undo that, or save it as a new version: earlier answers are kept apart, "
+                "and unfinished participants of what has changed cannot go on",
+            )
         if is_new_version and not study.account.may(Right.MANAGE):
             raise InputError("only owners begin a new version", remedy="Ask one of them")
         _save(study, text, digest)
@@ -68,7 +63,7 @@ def save_settings(study: OpenedStudy) -> ResponseReturnValue:
         digest = text_digest(error.text)
         return _page(study, text, digest=digest, problem=error, other=error.text), 409
     except InputError as error:
-        return _page(study, text, digest=digest, problem=error), 422
+        return _page(study, text, digest=digest, problem=error, is_new_version=bool(keys)), 422
     if is_new_version:
         with suppress(InputError):
             # If a video is missing, the study's page says so, and offers to begin it later.
@@ -103,6 +98,7 @@ def _page(
     digest: str,
     problem: InputError | None = None,
     other: str = "",
+    is_new_version: bool = False,
 ) -> str:
     lines = text.split("\n")
     return page(
@@ -116,7 +112,7 @@ def _page(
         difference=list(difflib.unified_diff(other.split("\n"), lines, n=1, lineterm=""))[2:]
         if other
         else [],
-        is_new_version=isinstance(problem, NewVersionError),
+        is_new_version=is_new_version,
         is_taken=definition_in_use(study.database) is not None,
         changeable=changeable_keys(),
         saved="saved" in request.args,

@@ -37,6 +37,7 @@ from studyapp.session.state import (
     form_due,
     has_tried_comprehension,
     state_of,
+    wrong_page_error,
 )
 from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.questions import Stage
@@ -133,10 +134,7 @@ def store_form_answers(
         is_running = study_session.place is not None and study_session.completed_at is None
         is_checking = sound_check_due(study_session, served)
         if not is_running or is_checking or form_due(study_session, study) != stage:
-            raise ConflictError(
-                "These are not the questions you are on.",
-                "The next page shows how to go on.",
-            )
+            raise wrong_page_error()
         study_session.form_answers.extend(answers)
         advance(session, study_session, study, now)
 

@@ -18,7 +18,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables.study_session import StudySession
 from studyapp.session.ending import Exit, exit_of
 from studyapp.session.places import regain_place
-from studyapp.session.refusal import ConflictError, UnacceptableError
+from studyapp.session.refusal import UnacceptableError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import (
     State,
@@ -30,6 +30,7 @@ from studyapp.session.state import (
     load_videos,
     state_of,
     update_row,
+    wrong_page_error,
 )
 from studyapp.session.trials import (
     ShownTrial,
@@ -153,7 +154,7 @@ def digits_to_speak(database: Database, served: ServedStudy, token: str) -> str:
     with database.reading() as session:
         study_session = find_study_session(session, token, to_change=False)
         if not sound_check_due(study_session, served):
-            raise ConflictError("The sound check is over.", "The next page shows how to go on.")
+            raise wrong_page_error()
         return study_session.sound_digits
 
 

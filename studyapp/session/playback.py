@@ -21,7 +21,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables.study_session import Place, StudySession
 from studyapp.database.tables.trial import Trial, TrialStimulus, Video, WatchRecord
 from studyapp.session.places import regain_place
-from studyapp.session.refusal import LateReportError, TooMuchWatchedError, UnacceptableError
+from studyapp.session.refusal import TooMuchWatchedError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import find_study_session, find_video, require_current_trial
 from studyapp.session.watch_evidence import (
@@ -223,9 +223,6 @@ def store_record(session: Session, video: PlayedVideo, record: Record, now: date
         session.connection().execute(UPDATE_RECORD, {"video": video.id, **values})
 
 
-ON_ITS_WAY: Final = 60.0
-"""Seconds that a report may take to arrive, repeats over a slow network included."""
-
 TOLERANCE: Final = 1.0
 """Seconds by which a browser's clock may run ahead of the server's."""
 
@@ -262,7 +259,7 @@ def record_watched(
         now = clock.now()
         playing = load_playing(session, token, video_token, now)
         if playing is None:
-            _restore_place(session, served, token, video_token, clock)
+            _restore_place(session, served, token, video_token)
             playing = load_playing(session, token, video_token, now)
         if playing is None:
             raise RuntimeError("SQL and Python disagree about the current trial")
@@ -288,24 +285,12 @@ def record_watched(
         return watched
 
 
-def _restore_place(
-    session: Session, served: ServedStudy, token: str, video_token: str, clock: Clock
-) -> None:
+def _restore_place(session: Session, served: ServedStudy, token: str, video_token: str) -> None:
     """Give a lost place back, and refuse everybody who is not at the video's trial."""
     study_session = find_study_session(session, token)
     trial = find_video(session, study_session, video_token).trial
-    ends = (trial.answered_at, trial.unplayable_at, study_session.withdrawn_at)
-    if any(end is not None and _is_just_past(end, clock) for end in ends):
-        raise LateReportError(
-            "This is not the page you are on.", "The next page shows how to go on."
-        )
     regain_place(session, served, study_session)
     require_current_trial(study_session, trial)
-
-
-def _is_just_past(moment: datetime, clock: Clock) -> bool:
-    seconds = clock.seconds_since(moment)
-    return seconds is None or seconds < ON_ITS_WAY
 
 
 def _clip_report(video: PlayedVideo, report: Report) -> Report:

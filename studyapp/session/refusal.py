@@ -52,10 +52,6 @@ class ConflictError(RefusalError):
     """The request does not fit the state of the study session."""
 
 
-class LateReportError(ConflictError):
-    """A report arrived just after the end of its trial, as it does when they go on at once."""
-
-
 class StudyFullError(ConflictError):
     """No place is open."""
 
@@ -104,8 +100,7 @@ KINDS: Final[Mapping[type[RefusalError], str]] = {
     UnacceptableError: "unacceptable",
     TooMuchWatchedError: "too-much-watched",
 }
-"""The logged refusals. A full study, an ineligible participant, and a report that crosses with
-*Next* are nobody's mistakes."""
+"""The logged refusals. A full study and an ineligible participant are nobody's mistakes."""
 
 LOG: Final = logging.getLogger(__name__)
 

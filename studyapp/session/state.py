@@ -18,20 +18,10 @@ from sqlalchemy.orm.attributes import set_committed_value
 from studyapp.database.tables.study_session import Place, StudySession
 from studyapp.database.tables.trial import Trial, Video
 from studyapp.session.refusal import ConflictError, NotTheirsError, UnknownAddressError
-from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
 
 State = Literal["instructed", "started", "completed", "unwatched", "withdrawn", "lapsed"]
-
-NO_TRIAL_MESSAGES: Final[Mapping[State, Message]] = {
-    "instructed": Message("You have not begun yet."),
-    "completed": Message("You have already finished: all your answers are stored."),
-    "unwatched": Message("Too many videos did not play, and so the study has ended here."),
-    "withdrawn": Message("You have withdrawn from this study."),
-    "lapsed": Message("Your place was given to somebody else after a long pause."),
-}
-"""Why somebody who is not at a trial has none."""
 
 
 def find_study_session(session: Session, token: str, *, to_change: bool = True) -> StudySession:
@@ -101,19 +91,19 @@ def has_tried_comprehension(study_session: StudySession) -> bool:
 
 def require_current_trial(study_session: StudySession, trial: Trial) -> datetime:
     """Return when `trial` was first shown; `ConflictError` unless it is the current one."""
-    state = state_of(study_session)
-    if state != "started":
-        raise ConflictError(
-            "{problem}",
-            "The next page shows how to go on.",
-            problem=NO_TRIAL_MESSAGES[state],
-        )
-    if trial is not current_trial(study_session) or trial.shown_at is None:
-        raise ConflictError(
-            "This is not the page you are on.",
-            "Perhaps the study is open in two windows. Please go on here; nothing is lost.",
-        )
+    is_current = state_of(study_session) == "started" and trial is current_trial(study_session)
+    if not is_current or trial.shown_at is None:
+        raise wrong_page_error()
     return trial.shown_at
+
+
+def wrong_page_error() -> ConflictError:
+    """Return the refusal of what belongs to another page than the present one."""
+    return ConflictError(
+        "This is not the page you are on.",
+        "Perhaps the study is open in two windows. The next page shows how to go on; nothing is "
+        "lost.",
+    )
 
 
 def find_trial(study_session: StudySession, trial_token: str) -> Trial:

@@ -107,8 +107,11 @@ def _holds_nul(values: MultiDict[str, str]) -> bool:
 def note_and_explain(refusal: RefusalError) -> str:
     """Note a participant's refusal for researchers; return what happened and what to do."""
     token = (request.view_args or {}).get("token")
-    if token is not None and request.endpoint is not None:
-        site, page = study_site(), request.endpoint.rpartition(".")[2]
+    page = (request.endpoint or "").rpartition(".")[2]
+    # A report of what was played may cross with *Next*, which is nobody's mistake.
+    is_late = page == "watched" and type(refusal) is ConflictError
+    if token is not None and page and not is_late:
+        site = study_site()
         log_refusal(site.database, token, page, refusal, site.clock)
     return _joined(refusal.messages)
 

@@ -67,7 +67,6 @@ def test_the_default_form_makes_the_same_study_as_init(
 def test_the_forms_values_are_written_into_the_study_file(lab: Lab, grace: ResearchBrowser) -> None:
     fields = filled_in(grace.get(f"{MAKE}?template=pairwise&language=en")) | {
         "name": "own",
-        "conditions": "own",
         "reference": "ground_truth",
         "trials": "12",
         "participants": "7",
@@ -103,9 +102,7 @@ def test_the_forms_values_are_written_into_the_study_file(lab: Lab, grace: Resea
         ({"name": "tiny"}, "already"),
         ({"trials": "many"}, "not a number"),
         ({"participants": "9" * 5000}, "not a number"),
-        ({"conditions": "own", "condition": "ours", "source": "no_such"}, "unknown source"),
-        ({"conditions": "own"}, "no condition is named"),
-        ({"condition": "ours", "source": "files"}, "stand-ins are chosen"),
+        ({"condition": "ours", "source": "no_such"}, "unknown source"),
         ({"avatar": "nobody"}, "avatar"),
         ({"framing": "feet"}, "framing"),
         ({"title": "T" * 201}, "title"),

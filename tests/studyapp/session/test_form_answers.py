@@ -26,7 +26,7 @@ def test_questions_before_and_after_the_trials_are_answered_once(
     asking = open_changed(added=FORM).arrive(Arrival(visit="visit", form=ADULT))
     assert asking.look().form == "demographics"
     assert asking.begin().look().state == "instructed"
-    with pytest.raises(ConflictError, match="not the questions you are on"):
+    with pytest.raises(ConflictError, match="not the page you are on"):
         asking.do(store_form_answers, "closing", {"comment": "Early."})
     # Every question that needs another answer is named.
     for answers, words in (

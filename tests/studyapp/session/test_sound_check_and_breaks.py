@@ -49,7 +49,7 @@ def test_wrong_digits_are_counted_and_exclude_nobody(
     assert hear(listener, spoken)
 
     assert hear(listener, "000" if spoken != "000" else "111")
-    with pytest.raises(ConflictError, match="check is over"):
+    with pytest.raises(ConflictError, match="not the page you are on"):
         digits(listener)
     assert listener.stored().sound_tries == 5
     assert listener.look().sound_tries is None
@@ -67,7 +67,7 @@ def test_questions_come_after_the_sound_check(open_changed: Open) -> None:
     listener = open_changed(SOUND_CHECK, added=FORM)
     listener.arrive(Arrival(visit="visit", form=ADULT))
     assert listener.look().form is None
-    with pytest.raises(ConflictError, match="not the questions you are on"):
+    with pytest.raises(ConflictError, match="not the page you are on"):
         listener.do(store_form_answers, "demographics", ABOUT)
     hear(listener, digits(listener))
     assert listener.look().form == "demographics"

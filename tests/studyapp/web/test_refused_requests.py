@@ -115,7 +115,7 @@ def test_what_no_page_offers_is_refused_and_changes_nothing(
 
 
 def test_a_report_that_crosses_with_next_is_refused_without_logging(
-    app: Flask, visitor: Visitor, clock: SetClock
+    app: Flask, visitor: Visitor
 ) -> None:
     page = visitor.page()
     watched = page.value("#pair", "data-watched-url")
@@ -124,10 +124,6 @@ def test_a_report_that_crosses_with_next_is_refused_without_logging(
 
     assert visitor.client.post(watched, json=WATCHED).status_code == 409
     assert noted_refusals(app) == []
-
-    clock.advance(seconds=61)
-    assert visitor.client.post(watched, json=WATCHED).status_code == 409
-    assert [line[:2] for line in noted_refusals(app)] == [(1, "stale-page")]
 
 
 @BOTH
