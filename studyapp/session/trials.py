@@ -35,8 +35,6 @@ def store_trials(
 
     One statement a table: objects for the 150 rows took longer than all else in an enrolment.
     """
-    if not planned:
-        return
     trials = [{**_trial_row(trial), "study_session_id": study_session_id} for trial in planned]
     planned_by_id = dict(zip(_insert_rows(session, Trial, trials), planned, strict=True))
     videos = [

@@ -88,14 +88,6 @@ def test_changing_the_design_while_people_take_part_makes_a_new_version(
     assert (newest.researcher, event_label(newest)) == ("Ada", "new version")
 
 
-def test_the_number_of_participants_may_change_while_people_take_part(
-    taken: LabStudy, ada: ResearchBrowser, file: Path
-) -> None:
-    text = file.read_text("utf-8").replace("comparison = 4", "comparison = 6")
-    assert ada.post(SETTINGS, text=text, seen=digest_of(ada.get(SETTINGS))).status_code == 303
-    assert taken.standing().wanted == 6
-
-
 def test_a_study_whose_alarms_cannot_be_sent_is_not_served_and_says_why(
     ada: ResearchBrowser, file: Path
 ) -> None:

@@ -24,7 +24,6 @@ from studyapp.session.refusal import (
 )
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import find_study_session
-from studyapp.session.trials import store_trials
 from studyapp.session.versions import open_study
 from tests.studyapp.session.conftest import held_places
 from tests.studyapp.session.ledger import answer_well
@@ -58,15 +57,6 @@ def test_only_the_same_participant_continues_a_session(
 
     assert (enrol(opened, served, second, clock) == token) is same
     assert held_places(opened) == (1 if same else 2)
-
-
-def test_a_participant_for_whom_nothing_is_planned_gets_no_trials(participant: Participant) -> None:
-    with participant.database.writing() as session:
-        study_session = find_study_session(session, participant.token)
-        before = len(study_session.trials)
-        store_trials(session, study_session.id, (), participant.served)
-        session.expire_all()
-        assert len(study_session.trials) == before
 
 
 def test_a_name_alone_has_to_wait_and_never_gets_the_code(

@@ -134,14 +134,6 @@ def test_a_break_does_not_count_towards_the_next_trials_time(resting: Participan
     assert resting.trial().minutes_left == offered
 
 
-def test_the_time_left_follows_the_participants_own_pace(participant: Participant) -> None:
-    participant.trial()
-    participant.clock.advance(minutes=3)
-    participant.take_trial()
-
-    assert participant.trial().minutes_left == 16
-
-
 @pytest.mark.parametrize(
     ("taken", "ahead", "minutes"),
     [
