@@ -246,4 +246,7 @@ def _limb_length(places: JointPositions) -> float:
     """Return the length of the left leg, or of the left arm if there is no leg."""
     limb = _LIMBS[1] if "left_ankle" in places else _LIMBS[0]
     joints = np.stack([places[f"left_{part}"] for part in limb])
-    return float(np.linalg.norm(np.diff(joints, axis=0), axis=1).sum())
+    length = float(np.linalg.norm(np.diff(joints, axis=0), axis=1).sum())
+    if length == 0:
+        raise InputError("the skeleton's limbs have no length", remedy="Check the file's offsets")
+    return length
