@@ -4,6 +4,7 @@ import math
 import pickle
 import shutil
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -163,16 +164,10 @@ def test_cached_values_change_no_number(study: Study, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_number_of_processes_does_not_change_the_scores(recorded_study: RecordedStudy) -> None:
     clips, _, recorded = recorded_study
+    measure = partial(study_metrics, clips, {}, recorded=recorded, presets=PRESETS)
     progress = []
-    alone = study_metrics(clips, {}, recorded=recorded, presets=PRESETS)
-    together = study_metrics(
-        clips,
-        {},
-        recorded=recorded,
-        presets=PRESETS,
-        processes=2,
-        on_progress=lambda done, total: progress.append((done, total)),
-    )
+    alone = measure()
+    together = measure(processes=2, on_progress=lambda *done: progress.append(done))
     assert progress == [(done, 4) for done in (1, 2, 3, 4)]
     assert [s.result.name for s in alone.clips] == [s.result.name for s in together.clips]
     np.testing.assert_equal(

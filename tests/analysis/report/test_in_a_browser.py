@@ -53,22 +53,23 @@ def test_tables_fit_a_laptop_and_shade_scrollable_edges(page: Page) -> None:
 
 
 @pytest.mark.parametrize("width", [1280, 390])
-def test_the_page_loads_nothing_logs_no_error_and_fits(
-    browser: Browser, written: Path, width: int
+def test_the_page_loads_nothing_logs_no_error_fits_and_follows_light_and_dark(
+    page: Page, written: Path, width: int
 ) -> None:
-    page = browser.new_page(viewport={"width": width, "height": 800})
     asked: list[str] = []
     complaints: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
     page.on("console", lambda message: complaints.append(message.text))
     page.on("pageerror", lambda error: complaints.append(str(error)))
-
-    page.goto(written.as_uri())
-
+    page.set_viewport_size({"width": width, "height": 800})
+    page.reload()
     assert asked == [written.as_uri()]
     assert complaints == []
     assert page.evaluate("document.documentElement.scrollWidth") <= width
-    page.close()
+    page.emulate_media(color_scheme="light")
+    light = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    page.emulate_media(color_scheme="dark")
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") != light
 
 
 def test_a_table_is_sorted_numerically_by_click_and_keyboard(
@@ -96,15 +97,6 @@ def test_a_table_is_sorted_numerically_by_click_and_keyboard(
     column.locator("button").press("Enter")
     expect(column).not_to_have_attribute("aria-sort", re.compile(""))
     assert values() == given
-
-
-def test_the_page_follows_light_and_dark(page: Page) -> None:
-    seen = []
-    for scheme in ("light", "dark"):
-        page.emulate_media(color_scheme=scheme)
-        seen.append(page.evaluate("getComputedStyle(document.body).backgroundColor"))
-
-    assert seen[0] != seen[1]
 
 
 def test_a_rehearsal_is_marked_on_every_screen_and_figure(page: Page) -> None:

@@ -1,13 +1,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import cast
 
 import numpy as np
 
-from analysis.answers.table import ANALYSED_KINDS
+from analysis.answers.participants import leave_out
 from analysis.report.content import Section
 from analysis.report.figures.style import FORMATS, as_file
 from analysis.report.sections.against_people import against_people_section, sampling_range_sentence
@@ -17,30 +16,21 @@ from analysis.results.rank_correlations import sampling_range
 from analysis.results.report import TableReport
 from tests.analysis.report.sections.reading import present
 from tests.analysis.report.subjects import subject_of
-from tests.analysis.results.made_tables import TABLES, read_table
+from tests.analysis.results.made_tables import TABLES, read_table, report_of
 from tests.analysis.results.simulated_studies import metrics_of
 
 CONDITIONS = ("c00", "c01", "c02", "c03")
 
 
 def report(folder: Path, protocol: str, conditions: Sequence[str]) -> TableReport:
-    """Return the section's input, without the models that nothing here needs."""
+    """Return results with one metric, of which the conditions called c… have scores."""
     rows = TABLES[protocol](conditions=conditions, segments=8)
-    table = read_table(rows.assign(segment="s0" + rows["segment"].str[1:]), protocol, folder)
-    answers = table.shown[table.shown["kind"].isin(ANALYSED_KINDS)].reset_index(drop=True)
+    rows["segment"] = "s0" + rows["segment"].str[1:]
+    table = read_table(rows, protocol, folder)
     noise = np.random.default_rng(1).normal(0, 0.1, (len(conditions), 8))
     metrics = metrics_of(noise - np.arange(len(conditions))[:, None])
-    agreement = metrics_against_people(table, answers, metrics, "c00")
-    return cast(
-        TableReport,
-        SimpleNamespace(
-            protocol=protocol,
-            sets=(),
-            questions=table.questions,
-            conditions_shown=table.conditions,
-            metrics_against_people=agreement,
-        ),
-    )
+    agreement = metrics_against_people(table, leave_out(table, ()).analysed, metrics, "c00")
+    return replace(report_of(rows, protocol, folder), metrics_against_people=agreement)
 
 
 def section(found: TableReport) -> Section | None:
@@ -97,5 +87,4 @@ def test_without_scores_a_sentence_says_so_and_without_metrics_there_is_no_secti
     shown = present(section(without))
     assert shown.paragraphs[0].startswith("No metric has a score")
     assert not shown.tables
-    vars(without)["metrics_against_people"] = ByQuestion()
-    assert section(without) is None
+    assert section(replace(without, metrics_against_people=ByQuestion())) is None

@@ -93,18 +93,16 @@ def test_of_one_segment_no_report_claims_anything_about_other_speech(tmp_path: P
 def test_a_rehearsals_truth_is_compared_with_estimates_in_either_direction(tmp_path: Path) -> None:
     report = report_of(pairwise_table(("ours", "other"), effects=(1.0, 0.0)), "pairwise", tmp_path)
     share = report.results.comparisons[0].win_share  # type: ignore[union-attr]
-    truth = tuple(
-        KnownValue(
-            about=about,
-            question="emotion",
-            measure="win_share",
-            value=value,
-            on_these_segments=value,
-        )
-        for about, value in (("ours-other", share.estimate), ("other-ours", share.estimate - 0.9))
+    known = KnownValue(
+        about="ours-other",
+        question="emotion",
+        measure="win_share",
+        value=share.estimate,
+        on_these_segments=share.estimate,
     )
+    turned = replace(known, about="other-ours", value=share.estimate - 0.9)
 
-    pairs = match_values([report], truth)
+    pairs = match_values([report], (known, turned))
     section = present(truth_section(subject_of(report, origin="rehearsal", truth=pairs)))
 
     [first, second] = [[cell.text for cell in row] for row in section.tables[0].rows]
