@@ -9,13 +9,15 @@ from dataclasses import replace
 from functools import partial
 from itertools import count
 from pathlib import Path
-from typing import TypeVar
+from typing import Final, TypeVar
 
-from analysis.evaluators.feature_networks import Source, networks
-from analysis.measurement.condition_scores import (
-    condition_scores,
-    network_scores,
-    recorded_conditions,
+import numpy as np
+
+from analysis.evaluators.feature_networks import COMMANDS, Network, Source, networks
+from analysis.measurement.feature_scores import (
+    FeatureScores,
+    feature_scores,
+    scores_without_network,
 )
 from analysis.measurement.measured_clips import (
     Excerpt,
@@ -26,9 +28,26 @@ from analysis.measurement.measured_clips import (
 )
 from analysis.measurement.presets import REPORT, Preset, combined
 from analysis.measurement.recorded_spread import recorded_spread
-from analysis.measurement.segment_scores import SegmentFiles, recorded_extent, segment_scores
+from analysis.measurement.segment_scores import (
+    ClipMeasurements,
+    SegmentFiles,
+    SegmentScores,
+    pose_settings,
+    recorded_extent,
+    segment_scores,
+)
+from analysis.metrics.diversity import mean_pair_distance, motion_features
 from analysis.metrics.kinematics import common_frame_rate
-from analysis.metrics.scores import ClipScore, StudyMetrics
+from analysis.metrics.scores import (
+    ClipScore,
+    ConditionScore,
+    Metric,
+    MetricResult,
+    StudyMetrics,
+    clip_means,
+    whole_condition,
+)
+from motion.arrays import Floats32
 from motion.errors import InputError
 from motion.formats import read_motion
 from motion.formats.clip_npz import read_frame_rate
@@ -36,6 +55,10 @@ from motion.processes import ProcessPool
 
 Progress = Callable[[int, int], None]
 """Called with the number of finished tasks, and of all tasks."""
+
+_EXPRESSIONS: Final = "mean distance between clips (expressions)"
+
+_FACES: Final = {52: "ARKit weights", 100: "SMPL-X expression coefficients"}
 
 _Result = TypeVar("_Result")
 
@@ -155,9 +178,9 @@ def study_metrics(
         )
         measured = collect(run(partial(segment_scores, setup=setup), segments))
     skipped += {str(e): e for segment in measured for e in segment.skipped}.values()
-    recordings_shown = recorded_conditions(clips, segments)
+    recordings_shown = _recorded_conditions(clips, segments)
     by_network = [
-        network_scores(network, clips, measured, recordings_shown, emotions or {})
+        _network_scores(network, clips, measured, recordings_shown, emotions or {})
         for network in feature_networks
     ]
     scores = [
@@ -173,7 +196,7 @@ def study_metrics(
             score for condition in clips for score in all_scores if score.condition == condition
         ),
         conditions=tuple(
-            condition_scores(tuple(clips), scores, measured, setup, by_network, recordings_shown)
+            _condition_scores(tuple(clips), scores, measured, setup, by_network, recordings_shown)
         ),
         skipped=tuple(skipped),
         notes=tuple(note for segment in measured for note in segment.notes),
@@ -221,3 +244,118 @@ def _named(segments: Sequence[str], of_all: int) -> str:
     """Return the number of segments and the first few names."""
     names = ", ".join(segments[:3]) + (", …" if len(segments) > 3 else "")
     return f"{len(segments)} of {of_all} segments ({names})"
+
+
+def _recorded_conditions(
+    conditions: Iterable[str], segments: Sequence[SegmentFiles]
+) -> frozenset[str]:
+    """Return the conditions whose motion is the recorded one."""
+    return frozenset(
+        condition
+        for condition in conditions
+        if all(
+            files.clips[condition] == files.recorded
+            for files in segments
+            if condition in files.clips
+        )
+    )
+
+
+def _network_scores(
+    network: Network,
+    conditions: Iterable[str],
+    measured: Sequence[SegmentScores],
+    recordings: frozenset[str],
+    emotions: Mapping[str, str],
+) -> FeatureScores:
+    """Return the scores of one network."""
+    by_condition = {
+        condition: {
+            segment.segment: segment.clips[condition].features[network.name]
+            for segment in measured
+            if condition in segment.clips
+        }
+        for condition in conditions
+    }
+    recorded = {
+        segment.segment: segment.recorded.features[network.name]
+        for segment in measured
+        if segment.recorded is not None
+    }
+    return feature_scores(
+        network,
+        {condition: clips for condition, clips in by_condition.items() if clips},
+        recorded,
+        recordings=recordings,
+        emotions=emotions,
+    )
+
+
+def _condition_scores(
+    conditions: Sequence[str],
+    scores: Sequence[ClipScore],
+    measured: Sequence[SegmentScores],
+    setup: Setup,
+    by_network: Sequence[FeatureScores],
+    recordings: Collection[str],
+) -> Iterator[ConditionScore]:
+    """Yield all scores of each condition: means over clips, distances, scores of networks."""
+    available = {network.name.partition(", ")[0] for network in setup.networks}
+    for condition in conditions:
+        clips = [segment.clips[condition] for segment in measured if condition in segment.clips]
+        yield from clip_means(condition, [s for s in scores if s.condition == condition])
+        yield from _distances(condition, clips, setup)
+        for network in by_network:
+            yield from (score for score in network.conditions if score.condition == condition)
+        for name in setup.preset.networks:
+            if name not in available:
+                yield from scores_without_network(
+                    name, COMMANDS[name], condition, len(clips), recorded=condition in recordings
+                )
+
+
+def _distances(
+    condition: str, clips: Sequence[ClipMeasurements], setup: Setup
+) -> Iterator[ConditionScore]:
+    """Yield the distances between the clips of a condition that the preset asks for."""
+    bodies = [clip.upper_body for clip in clips if clip.upper_body is not None]
+    if bodies:
+        yield whole_condition(condition, _pair_distance(bodies, setup), len(bodies))
+    if setup.preset.expression_distance and clips:
+        faces = [clip.face for clip in clips if clip.face is not None]
+        yield whole_condition(condition, _expression_distance(faces, setup), len(clips))
+
+
+def _pair_distance(clips: Sequence[Floats32], setup: Setup) -> MetricResult:
+    return mean_pair_distance(
+        motion_features([clip.astype(np.float64) for clip in clips]),
+        settings=pose_settings(setup.frame_rate)
+        | {"distance": f"root mean square over frames and joints, {_cut(clips, setup.frame_rate)}"},
+    )
+
+
+def _cut(clips: Sequence[Floats32], frame_rate: float) -> str:
+    return f"clips cut to the shortest, {min(map(len, clips)) / frame_rate:.2f} s"
+
+
+def _expression_distance(clips: Sequence[Floats32], setup: Setup) -> MetricResult:
+    kinds = {clip.shape[1] for clip in clips}
+    reason = ""
+    if "face" in setup.motion.frozen:
+        reason = "the study holds the face still"
+    elif not clips:
+        reason = "no clip has a face"
+    elif len(kinds) > 1:
+        reason = "some clips have ARKit weights and others SMPL-X coefficients"
+    if reason:
+        return Metric(_EXPRESSIONS, better="near the reference").missing(reason)
+    return mean_pair_distance(
+        motion_features([clip[..., None].astype(np.float64) for clip in clips]),
+        name=_EXPRESSIONS,
+        unit="",
+        settings={
+            "face": _FACES[kinds.pop()],
+            "frame rate": f"{setup.face_rate:g} fps",
+            "distance": f"root mean square over frames and weights, {_cut(clips, setup.face_rate)}",
+        },
+    )
