@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from renderer.figures.sheet import MOMENTS, TILE_SIZE, Glance, draw_cell, glance_at, sheet_page
+from renderer.figures.sheet import Glance, draw_cell, glance_at, sheet_page
 from renderer.look import Look
 from tests.renderer.figures.small_videos import CONDITIONS, sheet_of, write_block_video
 
@@ -32,17 +32,10 @@ def glance(tmp_path: Path, places: Sequence[int | None]) -> Glance:
     return glance_at(write_block_video(tmp_path / "video.mkv", places))
 
 
-def test_ordinary_motion_gives_no_remark(tmp_path: Path) -> None:
-    result = glance(tmp_path, [*SWAYING])
-    assert result.remarks == ()
-    assert result.pictures.shape == (MOMENTS, TILE_SIZE, TILE_SIZE, 3)
-    assert list(result.times) == sorted(result.times)
-    assert len(result.movement) == 89
-
-
 @pytest.mark.parametrize(
     ("places", "remarks"),
     [
+        ([*SWAYING], ()),
         ([44] * 60, ("never moves",)),
         ([*SWAYING[:30], *SWAYING[30:31] * 45, *SWAYING[30:60]], ("still from 1.0 to 2.5 s",)),
         ([*SWAYING[:30], *SWAYING[30:31] * 20, *SWAYING[30:60]], ()),
@@ -54,7 +47,7 @@ def test_ordinary_motion_gives_no_remark(tmp_path: Path) -> None:
         ([None, *SWAYING[:3]] * 15, ("jerks throughout", "nobody in the picture 25% of the time")),
         ([44 + k for k in range(60)], ("out of the picture 28% of the time",)),
     ],
-    ids=["never moves", "freezes", "rests", "jumps", "jerks", "missing", "leaving"],
+    ids=["ordinary", "never moves", "freezes", "rests", "jumps", "jerks", "missing", "leaving"],
 )
 def test_problems_of_a_motion_are_listed_once_with_their_times(
     tmp_path: Path, places: list[int | None], remarks: tuple[str, ...]

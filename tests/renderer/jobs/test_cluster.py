@@ -1,18 +1,15 @@
 from __future__ import annotations
 
-import json
-import os
-import subprocess
 import sys
-import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import dask
 import pytest
+from distributed import LocalCluster
 
 from motion.errors import InputError
 from renderer.jobs import cluster
@@ -23,79 +20,31 @@ from tests.renderer.jobs.sample_jobs import clips_and_pairs, killing_writers, pa
 
 pytestmark = pytest.mark.slow
 
-ROOT = Path(__file__).resolve().parents[3]
 PATIENCE = 60.0
 
 
-def _dask(*arguments: str, log: Path) -> subprocess.Popen[bytes]:
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "LP_NUM_THREADS": "0"}
-    environment["DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES"] = "1"
-    with log.open("wb") as file:
-        return subprocess.Popen(
-            [sys.executable, "-m", "dask", *arguments, "--no-dashboard"],
-            stdout=file,
-            stderr=file,
-            env=environment,
-            cwd=log.parent,
+def _cluster(workers: int) -> LocalCluster:
+    """Start a scheduler on loopback with workers, which are restarted when they die."""
+    with dask.config.set({"distributed.scheduler.allowed-failures": 1}):
+        return LocalCluster(  # type: ignore[no-untyped-call]
+            n_workers=workers,
+            threads_per_worker=1,
+            host="127.0.0.1",
+            dashboard_address=":0",
+            env={"LP_NUM_THREADS": "0"},
         )
 
 
-@contextmanager
-def _ended_afterwards(*processes: subprocess.Popen[bytes]) -> Iterator[None]:
-    try:
-        yield
-    finally:
-        for process in processes:
-            process.terminate()
-        for process in processes:
-            try:
-                process.wait(20)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-
-
-@contextmanager
-def _scheduler(folder: Path) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
-    """Start a scheduler without workers on loopback; give its address and process."""
-    described = folder / "scheduler.json"
-    process = _dask(
-        "scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(described),
-        log=folder / "scheduler.log",
-    )  # fmt: skip
-    with _ended_afterwards(process):
-        until = time.monotonic() + PATIENCE
-        while not described.exists() or not described.read_text():
-            assert time.monotonic() < until, (folder / "scheduler.log").read_text()
-            time.sleep(0.1)
-        yield json.loads(described.read_text())["address"], process
-
-
 @pytest.fixture(scope="module")
-def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Return the address of a scheduler that several tests use."""
-    with _scheduler(tmp_path_factory.mktemp("scheduler")) as (address, _):
-        yield address
+def cluster_of_two() -> Iterator[str]:
+    """Return the address of a cluster of two workers."""
+    with _cluster(2) as made:
+        yield made.scheduler_address
 
 
 @pytest.fixture(autouse=True)
 def _time_for_workers_to_start(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "_WORKER_TIMEOUT", PATIENCE)
-
-
-@contextmanager
-def _workers(address: str, folder: Path, *options: str, count: int) -> Iterator[None]:
-    arguments = ("worker", address, "--nthreads", "1", "--host", "127.0.0.1", *options)
-    started = [_dask(*arguments, log=folder / f"worker{number}.log") for number in range(count)]
-    with _ended_afterwards(*started):
-        yield
-
-
-@pytest.fixture(scope="module")
-def cluster_of_two(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Return the address of a cluster of two workers, which are restarted when they die."""
-    with _workers(scheduler, tmp_path_factory.mktemp("workers"), count=2):
-        yield scheduler
 
 
 def test_a_cluster_and_local_processes_make_the_same_files(
@@ -134,22 +83,20 @@ def test_a_clip_is_retried_until_it_has_killed_four_workers(
 
 
 def test_a_scheduler_without_workers_and_a_lost_one_are_reported(
-    clip_job: ClipJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with _scheduler(tmp_path) as (address, process):
+    with _cluster(0) as made:
         with monkeypatch.context() as patch:
             patch.setattr(cluster, "_WORKER_TIMEOUT", 0.5)
             with pytest.raises(InputError, match=r"no worker.*Start some with .*dask worker tcp"):
-                run_jobs([clip_job], processes=1, cluster=address)
-        with (
-            _workers(address, tmp_path, "--no-nanny", count=1),
-            pytest.raises(InputError, match=r"connection .* was lost.*resumes where it stopped"),
-        ):
+                run_jobs([clip_job], processes=1, cluster=made.scheduler_address)
+        made.scale(1)
+        with pytest.raises(InputError, match=r"connection .* was lost.*resumes where it stopped"):
             run_jobs(
                 clips_and_pairs(clip_job, 2),
                 processes=1,
-                cluster=address,
-                on_done=lambda outcome: process.kill(),
+                cluster=made.scheduler_address,
+                on_done=lambda outcome: made.close(),
             )
     assert video_of(clip_job).with_stem("clip0").exists()
 
