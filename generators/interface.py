@@ -37,10 +37,8 @@ class SpeechSegment:
         Raises
         ------
         InputError
-            If the frame rate is not positive or the speech is shorter than one frame.
+            If the speech is shorter than one frame.
         """
-        if not frame_rate > 0:
-            raise InputError(f"frame rate {frame_rate} is not usable", remedy="Give a rate above 0")
         frames = round(self.audio.duration * frame_rate)
         if frames < 1:
             raise InputError(

@@ -14,7 +14,7 @@ from generators.interface import ClipRequest, Generator, OnPart, SpeechSegment, 
 from generators.learned_settings import ModelSettings
 from generators.registry import TrainedGenerator, TrainingRequest
 from motion.arrays import Floats
-from motion.clip import MotionClip, check_frame_rate
+from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.resample import resample
 from training.config import TrainingConfig
@@ -55,7 +55,6 @@ class NetworkGenerator(Generator, Generic[SettingsT]):
     def make_clip(self, request: ClipRequest) -> MotionClip:
         """Return motion, made at the network's frame rate and resampled, with its facts."""
         count = request.frames
-        check_frame_rate(request.frame_rate)
         clip, facts = self.make_motion(request.speech, request.seed, request.on_part)
         return with_length(resample(clip, request.frame_rate), count).with_provenance(**facts)
 

@@ -123,58 +123,36 @@ def _generator(seed: int, number: int) -> torch.Generator:
 
 
 @dataclass(frozen=True, eq=False)
-class WindowNoise:
-    """All noise of one window's walk, drawn in advance so that its parts can be sampled separately.
+class Window:
+    """The inputs of a window: equally many frames of speech and of noise.
 
     Attributes
     ----------
-    start : Tensor
-        (1, frames, values), noise at the start of the walk.
-    later : tuple of Tensor
-        (1, frames, values) for each step of a window that continues another one; empty otherwise.
+    speech : SpeechFrames
+        Its speech.
+    noise : sequence of Tensor
+        All noise of its walk, drawn in advance so that its parts can be sampled separately, each
+        (1, frames, values): at the start of the walk and, if it continues another window, for each
+        step.
     """
 
-    start: Tensor
-    later: tuple[Tensor, ...]
-
-    @property
-    def continues(self) -> bool:
-        """Whether the window continues another one."""
-        return bool(self.later)
-
-    def slice_values(self, values: slice) -> WindowNoise:
-        """Return the noise of some of the values of a frame."""
-        return WindowNoise(
-            self.start[..., values], tuple(noise[..., values] for noise in self.later)
-        )
-
-    def to(self, device: torch.device) -> WindowNoise:
-        """Move the noise to a device."""
-        return WindowNoise(self.start.to(device), tuple(noise.to(device) for noise in self.later))
-
-
-@dataclass(frozen=True, eq=False)
-class Window:
-    """The inputs of a window: equally many frames of speech and of noise."""
-
     speech: SpeechFrames
-    noise: WindowNoise
+    noise: Sequence[Tensor]
 
 
 def draw_noise(
     shape: tuple[int, int], sampling: Sampling, random: torch.Generator, *, continues: bool
-) -> WindowNoise:
+) -> list[Tensor]:
     """Draw the noise of a window of `shape`, frames and values, which may continue another one.
 
     It is drawn on the device of `random`, so that the motion does not depend on the network's.
     """
     steps = len(sampling.later_walk) - 1 if continues else 0
-    start, *later = (torch.randn(1, *shape, generator=random) for _ in range(1 + steps))
-    return WindowNoise(start, tuple(later))
+    return [torch.randn(1, *shape, generator=random) for _ in range(1 + steps)]
 
 
 def sample_windows(
-    windows: Iterable[tuple[Estimate, WindowNoise]], sampling: Sampling, shared: Tensor | None
+    windows: Iterable[tuple[Estimate, Sequence[Tensor]]], sampling: Sampling, shared: Tensor | None
 ) -> list[Tensor]:
     """Return the motion of consecutive windows; see `sample_window`."""
     motions = []
@@ -190,7 +168,7 @@ def shared_frames(motion: Tensor, sampling: Sampling) -> Tensor | None:
 
 
 def sample_window(
-    estimate: Estimate, sampling: Sampling, noise: WindowNoise, shared: Tensor | None = None
+    estimate: Estimate, sampling: Sampling, noise: Sequence[Tensor], shared: Tensor | None = None
 ) -> Tensor:
     """Return a window of motion, or a part of one.
 
@@ -200,8 +178,8 @@ def sample_window(
         The network's estimate for the window's speech.
     sampling : Sampling
         The sampling.
-    noise : WindowNoise
-        Noise for the values that `estimate` reads.
+    noise : sequence of Tensor
+        Noise for the values that `estimate` reads; see `Window.noise`.
     shared : Tensor, optional
         (overlap, values), the last frames of the previous window, which this window continues.
 
@@ -212,7 +190,8 @@ def sample_window(
     """
     walk = sampling.first_walk if shared is None else sampling.later_walk
     alpha_bar = _signal_variance(sampling)
-    motion, later = noise.start, iter(noise.later)
+    motion, *steps = noise
+    later = iter(steps)
     if shared is not None and sampling.smooth:
         pose = torch.cat([shared, shared[-1:].expand(motion.shape[1] - len(shared), -1)])
         motion = np.sqrt(alpha_bar(walk[0])) * pose + np.sqrt(1 - alpha_bar(walk[0])) * motion
@@ -345,7 +324,7 @@ class WindowSampler:
         inputs = (
             (
                 partial(eps, speech=self._encode_speech(branch, window)),
-                window.noise.slice_values(part).to(self._device),
+                [noise[..., part].to(self._device) for noise in window.noise],
             )
             for window in windows
         )
@@ -353,7 +332,7 @@ class WindowSampler:
 
     def _encode_speech(self, branch: Branch, window: Window) -> list[FusedSpeech]:
         """Return a branch's speech condition at each place of the window's walk."""
-        places = self._sampling.entry if window.noise.continues else self._sampling.steps
+        places = self._sampling.entry if len(window.noise) > 1 else self._sampling.steps
         mel = window.speech.mel.to(self._device).expand(places, -1, -1)
         modulations = {"audio": [self._modulations["audio"][0][:places]]}
         audio = self._denoiser.encode_audio(mel, modulations)
