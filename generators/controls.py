@@ -88,13 +88,7 @@ class Mismatched(Generator):
         nothing jumps; this is recorded in the provenance.
         """
         clips, name = _required(request.source, self.name), request.speech.segment.name
-        partners = assign_partners(clips.segments, request.seed)
-        if name not in partners:
-            raise InputError(
-                f"segment {name} is not in the study",
-                remedy=f"Use one of {', '.join(sorted(partners))}",
-            )
-        partner, frames = partners[name], request.frames
+        partner, frames = assign_partners(clips.segments, request.seed)[name], request.frames
         clip = resample(clips.clip(partner), request.frame_rate)
         return with_length(clip, frames).with_provenance(
             motion_of_segment=partner, continued_by_reversal=str(frames > len(clip)).lower()

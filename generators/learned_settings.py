@@ -129,14 +129,6 @@ class AmuseSettings(ModelSettings):
         description="How far to go from the speech's own emotion and style; default 1.",
     )
 
-    @model_validator(mode="after")
-    def _goes_somewhere(self) -> Self:
-        """Refuse the start of an interpolation without its end."""
-        for part in ("emotion", "style"):
-            if getattr(self, f"from_{part}") is not None and getattr(self, part) is None:
-                raise ValueError(f"from_{part} needs the {part} that it goes to")
-        return self
-
 
 class S2ueSettings(ModelSettings):
     """The network, the speaker to move as, and the text.
