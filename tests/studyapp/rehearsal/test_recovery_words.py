@@ -97,21 +97,15 @@ def test_each_kind_is_counted_as_excluded_missed_or_wrongly_excluded() -> None:
 
 
 def test_misses_and_miscounts_are_reported_in_tables_and_page() -> None:
-    rated = replace(UNDECIDED, measure="mean_rating", truth=-0.5)
     miscounted = replace(RIGHT, what="left for good", counted=2)
-    whole = replace(
-        RECOVERY, kinds=kinds(), differences=(UNDECIDED, rated), checks=(RIGHT, miscounted)
-    )
+    whole = replace(RECOVERY, kinds=kinds(), checks=(RIGHT, miscounted))
+
     _heading, rows = values_in_words(whole)
-    assert rows[0][1:5] == ["Ours against theirs", "win share of the first", ".60", ".55"]
-    assert [row[-1] for row in rows] == ["inside", "outside"]
     lines = recovery_lines(whole)
+
+    assert [row[-1] for row in rows] == ["inside", "outside"]
     assert "The true value is inside 1 of 2 intervals" in lines[0]
     assert "at least 1 interval would miss it in 10 of 100" in lines[0]
-    assert (
-        "inside 1 of 1 interval. With a sound design, none misses it in 95 of 100 rehearsals."
-        in recovery_lines(replace(RECOVERY, values=RECOVERY.values[:1]))[0]
-    )
     assert "MISCOUNTED: left for good: 3, counted 2." in lines
     with labelled(RECOVERY.labels):
         page = recovery_page(whole)
@@ -119,10 +113,4 @@ def test_misses_and_miscounts_are_reported_in_tables_and_page() -> None:
     raters, bookkeeping = (section.tables[0] for section in page.sections[2:])
     by_catch = raters.header.index("excluded by catch")
     assert [row[by_catch].value for row in raters.rows] == [1, 0, 1]
-    agrees = bookkeeping.header.index("agrees")
-    assert [row[agrees].text for row in bookkeeping.rows] == ["yes", "NO"]
-    differences = [[cell.text for cell in row] for row in page.sections[1].tables[0].rows]
-    assert [row[1:5] for row in differences] == [
-        ["Ours", "theirs", "+.10", "+.05"],
-        ["Ours", "theirs", "−0.50", "+0.05"],
-    ]
+    assert [row[-1].text for row in bookkeeping.rows] == ["yes", "NO"]

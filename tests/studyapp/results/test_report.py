@@ -12,14 +12,10 @@ from sqlalchemy import update
 from analysis.report.figures.style import FORMATS
 from analysis.results.report import analyse_table, as_json
 from studyapp.database.tables.study_session import StudyVersion
-from studyapp.rehearsal.simulation.population import Population
-from studyapp.rehearsal.simulation.truth import Truth, write_truth
 from studyapp.results.answers import read_answers
-from studyapp.results.export.sharing import share
 from studyapp.results.report import report
 from studyapp.results.report_subject import report_presets
 from studyapp.results.stated_beforehand import change_notes, exclusions_of
-from studyapp.study.folder import StudyFolder
 from studyapp.study.study_file import new_study
 from tests.studyapp.results.conftest import Answered
 from tests.support.studies.finished_study import PROTOCOLS
@@ -111,28 +107,6 @@ def test_a_study_without_answers_is_reported_as_such(
     assert found["participants"] == {"recruited": 0, "attentive": 0}
     hint = "If the study is served with DATABASE_URL, set it here as well."
     assert remarks == [f"No answers of participants were found. {hint}"]
-
-
-def test_a_report_says_where_it_shows_the_rehearsal_instead_of_answers(
-    answered: Answered, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("studyapp.results.report.write_report", lambda *_, **__: tmp_path)
-    folder = answered("rating", people=3, stop_after=1)
-    folder.responses.rename(folder.rehearsal)
-    truth = Truth(seed=1, study="", population=Population(quality={}), expected=())
-    write_truth(folder.rehearsal_truth, truth)
-    shared = StudyFolder(share(folder, tmp_path / "out", rehearsal=True).study)
-
-    def remarks(folder: StudyFolder, *, rehearsal: bool = False) -> list[str]:
-        texts: list[str] = []
-        report(folder, rehearsal=rehearsal, warn=texts.append)
-        return texts
-
-    assert remarks(folder) == [
-        "No answers of participants were found, so the report shows the rehearsal. "
-        "If the study is served with DATABASE_URL, set it here as well."
-    ]
-    assert remarks(folder, rehearsal=True) == remarks(shared) == []
 
 
 def test_reports_are_reproducible_and_replace_older_files(
