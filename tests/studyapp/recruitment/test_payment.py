@@ -16,7 +16,7 @@ from studyapp.recruitment.payment import (
 from studyapp.session.enrolment import Arrival
 from studyapp.session.form_answers import note_screen_out
 from studyapp.session.served_study import ServedStudy
-from studyapp.study.settings.recruitment import Prolific, Recruitment
+from studyapp.study.settings.recruitment import Prolific
 from tests.support.servers.both_databases import BOTH
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
@@ -51,16 +51,6 @@ def test_only_finished_unpaid_participants_are_paid(
 
     assert judged.verdict == verdict
     assert why in judged.reason
-
-
-@pytest.mark.parametrize(
-    ("rule", "failed", "outcome"),
-    [(2, 1, "completed"), (2, 2, "failed_attention"), (3, 2, "completed"), (0, 9, "completed")],
-)
-def test_pay_is_refused_only_after_the_rules_number_of_failed_checks(
-    rule: int, failed: int, outcome: str
-) -> None:
-    assert Recruitment(unpaid_failed_checks=rule).outcome(failed) == outcome
 
 
 def test_a_participant_without_a_submission_id_is_matched_to_the_only_one() -> None:
