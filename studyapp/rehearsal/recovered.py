@@ -21,7 +21,7 @@ from studyapp.monitoring.study_sessions import progress_of_sessions
 from studyapp.rehearsal.bookkeeping import Check, Ledger, Person, checks, people
 from studyapp.rehearsal.simulation.population import KINDS, UNSOUND, Kind
 from studyapp.rehearsal.simulation.truth import read_truth
-from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
+from studyapp.results.analysed_tasks import analysed_tasks
 from studyapp.results.answers import answers_in, snapshot
 from studyapp.results.report import task_report
 from studyapp.session.served_study import ServedStudy
@@ -198,25 +198,18 @@ def recover(folder: StudyFolder) -> Recovery:
                 completed_in_report=sum(flow.completed or 0 for flow in reports[0].flow),
             )
         )
+    removed_by = {
+        name: task.left_out.rules[index].rule
+        for task in reversed(tasks)
+        for name, index in task.left_out.removed_by.items()
+    }
+    kept = {str(name) for task in tasks for name in task.left_out.kept["participant"].unique()}
     return Recovery(
         title=study.title,
         labels=study.display_names,
         values=match_values(reports, known),
         differences=match_differences(reports, known),
-        kinds=kinds_recovered(participants, _analysed(tasks), _removed_by(tasks)),
+        kinds=kinds_recovered(participants, kept, removed_by),
         checks=counted,
         rules=tuple(rule.description for rule in tasks[0].left_out.rules),
     )
-
-
-def _analysed(tasks: Sequence[AnalysedTask]) -> set[str]:
-    return {str(name) for task in tasks for name in task.left_out.kept["participant"].unique()}
-
-
-def _removed_by(tasks: Sequence[AnalysedTask]) -> dict[str, str]:
-    """Return the rule that excludes each participant, in any task."""
-    return {
-        name: task.left_out.rules[index].rule
-        for task in reversed(tasks)
-        for name, index in task.left_out.removed_by.items()
-    }
