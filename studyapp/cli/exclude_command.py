@@ -50,16 +50,12 @@ def command(folder: StudyFolder, participant: str, reason: str, reinstate: bool)
         )
     with closing(Database.open(database_url_of(folder.root))) as database:
         decide_exclusion(database, Clock(), number, excluded=not reinstate, by="", reason=reason)
-    if reinstate:
-        click.echo(
-            f"Study session {number} is no longer excluded by hand; the exclusion rules still "
-            "apply. Report and export again."
-        )
-        return
-    click.echo(
-        f"Study session {number} is excluded from the analysis, which reports mark as exploratory. "
-        "Report and export again. --reinstate undoes this."
+    state = (
+        "no longer excluded by hand; the exclusion rules still apply"
+        if reinstate
+        else "excluded from the analysis, marked as exploratory; --reinstate undoes this"
     )
+    click.echo(f"Study session {number} is {state}. Report and export again.")
 
 
 def _erase(folder: StudyFolder, name: str) -> None:

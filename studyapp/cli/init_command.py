@@ -11,7 +11,7 @@ from motion.errors import InputError
 from studyapp.cli.arguments import FOLDER
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import MAX_MINUTES, MAX_PARTICIPANTS, read_pay
-from studyapp.study.settings.presentation import Framing, Language
+from studyapp.study.settings.presentation import Language
 from studyapp.study.settings.recruitment import Channel
 from studyapp.study.study_file import TEMPLATES, write_study
 from studyapp.study.study_options import StudyOptions, read_conditions
@@ -50,12 +50,6 @@ from studyapp.study.study_options import StudyOptions, read_conditions
     "--participants",
     type=click.IntRange(1, MAX_PARTICIPANTS),
     help="Number of participants; in pairwise studies, of each comparison.",
-)
-@click.option(
-    "--framing",
-    type=click.Choice(get_args(Framing)),
-    help="The part of the body that the videos show. By default the face if all questions are "
-    "about it, else the upper body.",
 )
 @click.option(
     "--recruit",

@@ -21,7 +21,6 @@ from motion.errors import InputError
 from studyapp.cli.arguments import FILE, FOLDER, Decorator, Number, device_option, together
 from studyapp.cli.main import LazyGroup
 from studyapp.cli.output import echo_note, echo_skipped, progress
-from training.data.take import KINDS
 from training.run.launching import is_leader
 from training.run.records import run_folder
 
@@ -219,11 +218,6 @@ def generator_command(name: str) -> click.Command:
             type=FOLDER,
             help="Recordings laid out as BEAT, BEAT2, SHOW or by 'motionjury corpus'.",
         ),
-        click.option(
-            "--kind",
-            type=click.Choice(KINDS),
-            help="Layout of --data, if it cannot be recognised.",
-        ),
         click.option("--split", type=FILE, help="A list of the split that each take belongs to."),
         click.option(
             "--config",
@@ -274,7 +268,6 @@ def _train_generator(
     trainable: Trainable,
     *,
     data: Path,
-    kind: str | None,
     split: Path | None,
     config: str,
     out: Path,
@@ -287,7 +280,7 @@ def _train_generator(
 
     given = {key: value for key, value in options.items() if value is not None}
     with training_run(out):
-        takes = read_takes(data, kind=kind, split_list=split)
+        takes = read_takes(data, split_list=split)
         if is_leader():
             for note in takes.notes:
                 click.echo(note)

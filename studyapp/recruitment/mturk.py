@@ -178,12 +178,12 @@ def hit_request(study: Study, address: str, *, made_before: int, live: bool) -> 
     return {
         "Title": study.title[:128],
         "Description": recruited.description or study.title,
-        "Keywords": recruited.keywords,
+        "Keywords": "video, animation, opinion",
         "Reward": f"{recruited.dollars:.2f}",
         "MaxAssignments": count_places(study),
-        "LifetimeInSeconds": recruited.hours_to_accept * 3600,
+        "LifetimeInSeconds": 72 * 3600,
         "AssignmentDurationInSeconds": minutes * 60 * TIMES_AS_LONG,
-        "AutoApprovalDelayInSeconds": recruited.days_to_review * 86_400,
+        "AutoApprovalDelayInSeconds": 7 * 86_400,
         "Question": f'<ExternalQuestion xmlns="{SCHEMA}"><ExternalURL>{escape(address)}'
         "</ExternalURL><FrameHeight>0</FrameHeight></ExternalQuestion>",
         "UniqueRequestToken": hashlib.sha256(once.encode()).hexdigest(),

@@ -30,7 +30,7 @@ from training.data.found_take import (
     usable_name,
 )
 from training.data.splitting import USUAL_NAMES, by_list, by_rule, read_split_list
-from training.data.take import KINDS, Kind, Take, TakeFolder
+from training.data.take import Kind, Take, TakeFolder
 
 UNKNOWN_SPEAKER: Final = "unknown"
 """The speaker of takes whose data set names none."""
@@ -95,17 +95,13 @@ _LAYOUTS: Final[Mapping[Kind, _Layout]] = {
 }
 
 
-def read_takes(
-    folder: Path, *, kind: str | None = None, split_list: Path | None = None
-) -> TakeFolder:
+def read_takes(folder: Path, *, split_list: Path | None = None) -> TakeFolder:
     """Find the takes in a folder of recordings; the files are read when features are computed.
 
     Parameters
     ----------
     folder : Path
         The data set as downloaded, or recordings in the same layout.
-    kind : {'beat', 'beat2', 'show', 'ted'}, optional
-        The folder's layout; by default recognised from the files.
     split_list : Path, optional
         A list for `training.data.splitting.read_split_list`. The default is the folder's own list,
         or else the data set's rule, or else a hash of each recording's name.
@@ -121,7 +117,7 @@ def read_takes(
         If the folder is missing, has no known layout or no takes, or the split list is unusable.
     """
     files = list_folder(folder)
-    layout = _kind_of(files) if kind is None else _checked_kind(kind)
+    layout = _kind_of(files)
     found, skipped = _find_takes(files, _LAYOUTS[layout])
     if not found:
         first = f"; the first file: {skipped[0]}" if skipped else ""
@@ -144,13 +140,6 @@ def read_takes(
     )
 
 
-def _checked_kind(kind: str) -> Kind:
-    for layout in KINDS:
-        if kind == layout:
-            return layout
-    raise InputError(f"there is no layout {kind!r}", remedy=f"Use one of {listed(KINDS)}")
-
-
 def _kind_of(files: FolderFiles) -> Kind:
     """Return the layout of the files."""
     if any(files.ending_in(".bvh")):
@@ -169,7 +158,7 @@ def _kind_of(files: FolderFiles) -> Kind:
     raise InputError(
         f"the folder {problem}",
         where=files.root,
-        remedy=f"Name its layout, one of {listed(KINDS)}, or {_SEE_DOCS}",
+        remedy=f"Keep recordings of one layout in a folder: {_SEE_DOCS}",
     )
 
 

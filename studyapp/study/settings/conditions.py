@@ -123,17 +123,6 @@ def _source_problem(conditions: Mapping[str, Condition], name: str) -> str:
     return "its sources form a circle" if name in _sources(conditions, source) else ""
 
 
-def label_problems(conditions: Mapping[str, Condition], catch: Catch) -> list[str]:
-    """Return which conditions have the same display name."""
-    owners: dict[str, str] = {catch.condition: catch.condition}
-    problems = []
-    for name, condition in conditions.items():
-        shown = display_name(name, condition)
-        if owners.setdefault(shown, name) != name:
-            problems.append(f"conditions.{name}: {owners[shown]!r} is also called {shown!r}")
-    return problems
-
-
 def display_name(name: str, condition: Condition) -> str:
     """Return the name of a condition on researchers' pages and in reports."""
     return condition.label or name.replace("_", " ")

@@ -12,8 +12,8 @@ from motion.errors import listed
 from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.sections import Name, Section
 
-RESERVED_NAMES = ("trial",)
-"""Names of the page's own form fields."""
+TRIAL_FIELD: Final = "trial"
+"""The page's own form field."""
 
 _OF_FACES: Final = re.compile(
     r"\b(faces?|facial|lips?|mouth)\b|gesicht(?!spunkt)|mimik|lippen|顔|表情", re.IGNORECASE
@@ -77,11 +77,8 @@ def question_problems(questions: Sequence[Question], parts: Sequence[str]) -> li
     names = [question.name for question in questions]
     if len(set(names)) != len(names):
         problems.append("two questions have the same name")
-    problems += [
-        f"no question can be named {name!r}: the page uses that name itself"
-        for name in RESERVED_NAMES
-        if name in names
-    ]
+    if TRIAL_FIELD in names:
+        problems.append(f"no question can be named {TRIAL_FIELD!r}: the page uses that name itself")
     for question in questions:
         unknown = [part for part in question.parts if part not in parts]
         if unknown:

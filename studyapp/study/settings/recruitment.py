@@ -137,17 +137,12 @@ class MTurk(Section):
     ----------
     reward : str
         Pay of each worker in US dollars, such as ``"3.50"``.
-    description, keywords : str
-        Help workers to find the HIT.
-    hours_to_accept, days_to_review : int
-        How long the HIT is offered, and when unreviewed assignments are paid automatically.
+    description : str
+        Helps workers to find the HIT.
     """
 
     reward: str = Field("", pattern=MONEY)
     description: str = Field("", max_length=2000)
-    keywords: str = Field("video, animation, opinion", max_length=1000)
-    hours_to_accept: int = Field(72, ge=1, le=8760)
-    days_to_review: int = Field(7, ge=1, le=30)
 
     @property
     def dollars(self) -> Decimal:

@@ -32,7 +32,6 @@ from studyapp.study.settings.conditions import (
     comparison_name,
     display_name,
     generated,
-    label_problems,
     source_problems,
 )
 from studyapp.study.settings.exclusions import (
@@ -310,7 +309,6 @@ class Study(Section, ABC):
         needless_margin = f"margin: a {self.protocol} study has no test of equivalence"
         return [
             *catch_problems(self.conditions, self.catch),
-            *label_problems(self.conditions, self.catch),
             *source_problems(self.conditions),
             *question_problems(self.questions, self.parts),
             *exclusion_problems(self.exclusions, self.catch, self.attention),

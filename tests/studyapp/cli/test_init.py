@@ -39,7 +39,7 @@ def test_options_end_up_in_the_study_file(tmp_path: Path) -> None:
         "--condition", f"ours=diffsheg:{weights}", "--condition", "late=mismatched:ours",
         "--participants", 40, "--recruit", "prolific", "--pay", "3 GBP", "--minutes", 20,
         "--organisation", "Lab", "--contact", "lab@example.org", "--ethics", "No. 7",
-        "--language", "ja", "--framing", "hands",
+        "--language", "ja",
     )  # fmt: skip
 
     study = read_study(tmp_path / "s" / "study.toml")
@@ -49,7 +49,6 @@ def test_options_end_up_in_the_study_file(tmp_path: Path) -> None:
     assert study.conditions["ours"].settings.checkpoint == weights
     assert (study.recruitment.prolific.reward, study.recruitment.missing_codes) == (300, [])
     assert (study.page.ethics, study.page.language) == ("No. 7", "ja")
-    assert study.video.framing == "hands"
 
 
 def test_finished_videos_have_catch_trials_if_flawed_videos_are_planned(tmp_path: Path) -> None:

@@ -45,10 +45,6 @@ def study_file(tmp_path: Path) -> Path:
         ({"catch.against": "nobody"}, "catch.against 'nobody' is not a condition"),
         ({"conditions.rule_based.videos": True}, "cannot have a generator or source"),
         ({"rehearsal.strength": {"nobody": 1}}, "unknown condition 'nobody'"),
-        (
-            {"conditions.mismatched.label": "rule based"},
-            "conditions.mismatched: 'rule_based' is also called 'rule based'",
-        ),
         ({"rehearsal.careless": 0.9, "rehearsal.hasty": 0.5}, "add up to 1.62"),
         ({"rehearsal.strength": {"rule_based": {"taste": 1}}}, "unknown question 'taste'"),
         ({"rehearsal.strength": {"rule_based": "high"}}, "must be a number, or a table"),
