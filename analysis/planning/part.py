@@ -158,11 +158,6 @@ class Size:
         return self.participants, self.items
 
 
-def count_analysed(participants: int, excluded: float) -> int:
-    """Return the number of participants analysed if a share is excluded."""
-    return participants - int(participants * excluded + 0.5)
-
-
 POINTS: Final = len(RATING_THRESHOLDS) + 1
 """Points of the scale that `RATING_THRESHOLDS` divides."""
 

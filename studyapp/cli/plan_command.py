@@ -32,7 +32,7 @@ class _NumberListType(click.ParamType[tuple[Any, ...]]):
 @study_folder
 @click.option(
     "--participants",
-    type=_NumberListType(click.IntRange(1, 100_000)),
+    type=_NumberListType(click.IntRange(1, 10_000)),
     default=(),
     metavar="N,…",
     help="Numbers of participants to try: per comparison if each has its own, else of the study.  "

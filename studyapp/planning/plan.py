@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-from analysis.planning.part import Opinions, Size
+from analysis.planning.part import Opinions
 from analysis.planning.plan import Plan, Request, plan
 from analysis.planning.writing import write_plan
-from motion.errors import InputError
 from studyapp.planning.planned_study import (
     PlannedStudy,
     excluded_by_default,
@@ -20,9 +19,6 @@ from studyapp.study.folder import StudyFolder
 TIMES_PARTICIPANTS: Final = (1, 2, 4, 8)
 TIMES_ITEMS: Final = (1, 2)
 """Multiples of the study's own numbers that are tried by default."""
-
-MOST_ANSWERS: Final = 400_000
-"""Answers to one question in one simulated study, at most."""
 
 
 def plan_study(
@@ -54,7 +50,6 @@ def plan_study(
     has_own_size = folder.has_segments(study) or len(items) == 1
     items = items or tuple(own_size[1] * n for n in TIMES_ITEMS)
     planned = PlannedStudy(study=study, segments=segments, excluded=excluded_by_default(study))
-    _refuse_huge(planned.size(1, max(items)), max(participants))
     stated = study.rehearsal.model_fields_set & {"participants_differ", "segments_differ"}
     request = Request(
         size=planned.size,
@@ -75,20 +70,3 @@ def plan_study(
     result = plan(request, show)
     write_plan(result, folder.root / "plan")
     return result
-
-
-def _refuse_huge(one_participant: Size, participants: int) -> None:
-    """Refuse a study that does not fit into memory, before it is drawn up.
-
-    Parameters
-    ----------
-    one_participant : Size
-        The study of one participant.
-    """
-    if one_participant.trials * participants > MOST_ANSWERS:
-        raise InputError(
-            f"{participants:,} participants with {one_participant.trials:,} trials each give more "
-            f"than {MOST_ANSWERS:,} answers to one question",
-            remedy="Plan fewer; the powers of larger studies are hardly higher, since segments "
-            "limit them",
-        )

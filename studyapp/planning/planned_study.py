@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from analysis.answers.table import ANALYSED_KINDS
-from analysis.planning.part import Kind, Part, Size, Trials, count_analysed
+from analysis.planning.part import Kind, Part, Size, Trials
 from motion.errors import InputError
 from motion.segment import EMOTIONS, Segment
 from studyapp.study.design.trial import PlannedTrial
@@ -139,7 +139,7 @@ class PlannedStudy:
         """Return the study with so many places in each arm, and so many segments."""
         study = with_participants(self.study, participants)
         segments = with_items(self.segments, items)
-        count = count_analysed(participants, self.excluded)
+        count = participants - int(participants * self.excluded + 0.5)
         chance = np.random.default_rng([study.seed, participants])
         places = np.sort(chance.choice(participants, count, replace=False)).tolist()
         arm = study.arms[0]
