@@ -196,14 +196,14 @@ def _rows(table: Path) -> list[tuple[int, Mapping[str, str]]]:
         raise InputError(
             "the table is not UTF-8 text", where=table, remedy="Save it as CSV in UTF-8"
         ) from error
-    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
     try:
-        header = [cell.strip() for cell in next(reader, [])]
-        lines = [(reader.line_num, cells) for cells in reader]
+        header = reader.fieldnames = [name.strip() for name in reader.fieldnames or ()]
+        rows = [(reader.line_num, row) for row in reader]
     except csv.Error as error:
         raise InputError(
             f"the table is not CSV: {error}",
-            where=f"{table}, line {reader.line_num}",
+            where=f"{table}, line {reader.reader.line_num}",
             remedy="Close every double quote, double those within a text, and save as CSV in UTF-8",
         ) from error
     if sorted(header) != sorted(COLUMNS):
@@ -212,18 +212,14 @@ def _rows(table: Path) -> list[tuple[int, Mapping[str, str]]]:
             where=f"{table}, line 1",
             remedy=f"Give exactly the columns {','.join(COLUMNS)}, separated by commas",
         )
-    rows: list[tuple[int, Mapping[str, str]]] = []
-    for line, cells in lines:
-        if not any(cell.strip() for cell in cells):
-            continue
-        if len(cells) != len(header):
+    for line, row in rows:
+        if None in row or None in row.values():
             raise InputError(
-                f"the row has {len(cells)} cells for {len(header)} columns",
+                f"the row does not have {len(header)} cells, one for each column",
                 where=f"{table}, line {line}",
                 remedy="Put a transcript that holds commas in double quotes",
             )
-        rows.append((line, dict(zip(header, cells, strict=True))))
-    return rows
+    return [(line, row) for line, row in rows if any(cell.strip() for cell in row.values())]
 
 
 def _segment(row: Mapping[str, str], where: str) -> Segment:
