@@ -7,14 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import soundfile
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from motion.errors import InputError
 from motion.formats.ted_npz import read_ted_npz
 from tests.training.data.recordings import (
-    write_beat_motion,
     write_beat_take,
     write_clicks,
     write_show,
@@ -78,14 +76,6 @@ def beat(folder: Path) -> None:
     write_beat_take(folder / "2", SECONDS, MOMENTS)
 
 
-def thinned_beat(folder: Path) -> None:
-    """As BEAT's baselines hold it: 15 frames a second under a header that says 120."""
-    write_beat_take(folder, SECONDS, MOMENTS)
-    frames = round(SECONDS * 120)
-    write_beat_motion(folder / "2_scott_0_9_9.bvh", SECONDS, MOMENTS, 15, promised=frames)
-    write_clicks(folder / "2_scott_0_9_9.wav", SECONDS, MOMENTS, rate=44100)
-
-
 def beat2(folder: Path) -> None:
     write_smplx(folder / "smplxflame_30" / "2_scott_0_9_9.npz", SECONDS, MOMENTS)
     write_clicks(folder / "wave16k" / "2_scott_0_9_9.wav", SECONDS, MOMENTS)
@@ -94,14 +84,6 @@ def beat2(folder: Path) -> None:
 def amass(folder: Path) -> None:
     write_smplx(folder / "anna" / "walk.npz", SECONDS, MOMENTS, rate=100)
     write_clicks(folder / "anna" / "walk.wav", SECONDS, MOMENTS, rate=48000)
-
-
-def mp3_named_wav(folder: Path) -> None:
-    """A folder as researchers have it."""
-    amass(folder)
-    path = folder / "anna" / "walk.wav"
-    sound, rate = soundfile.read(path)
-    soundfile.write(path, sound, rate, format="MP3")
 
 
 def show(folder: Path) -> None:
@@ -127,9 +109,8 @@ def ted_directions(frame_rate: float) -> Feature:
     ("write", "motions", "frame_rate", "frames", "stride"),
     [
         (beat, (beat_gesture, beat_expression), 15, 34, 10),
-        (thinned_beat, (beat_gesture,), 15, 34, 10),
         (beat2, (show_gesture,), 30, 88, 44),
-        (mp3_named_wav, (show_gesture,), 15, 34, 10),
+        (amass, (show_gesture,), 15, 34, 10),
         (show, (show_gesture,), 30, 88, 44),
         (ted, (ted_directions,), 15, 34, 10),
     ],
