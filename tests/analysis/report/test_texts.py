@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from jinja2 import UndefinedError
 
@@ -15,7 +14,6 @@ from analysis.report import wording
 from analysis.report.content import Cell, Table
 from analysis.report.page import as_frame
 from analysis.report.texts import LONGEST, as_latex, booktabs, paragraphs, table
-from analysis.stats.clustered_mean import clustered_mean
 
 
 def test_an_unknown_name_in_a_template_is_an_error() -> None:
@@ -117,14 +115,3 @@ def test_shares_p_values_and_quantities_have_sensible_digits(
     formatted: Callable[[float], str], value: float, text: str
 ) -> None:
     assert formatted(value) == text
-
-
-def test_an_estimate_has_an_interval_or_a_reason() -> None:
-    values = np.array([1, 1, 0, 1.0])
-    participants, segments = np.array([0, 0, 1, 1]), np.array([0, 1, 0, 1])
-    for estimate, words in (
-        (clustered_mean(values, participants, segments), ".75 [.00, 1.00]"),
-        (clustered_mean(values, np.zeros(4), segments), ".75 (no interval: one participant)"),
-        (clustered_mean(np.zeros(0), np.zeros(0), np.zeros(0)), "– (no answers)"),
-    ):
-        assert wording.share_words(estimate).replace(wording.NO_BREAK, " ") == words

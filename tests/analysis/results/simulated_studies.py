@@ -47,18 +47,13 @@ class AgreeingStudy:
         likings = liking[:, None] + 0.5 * clip_liking
         given = likings[None] + taste[:, :, None]
         given = given + chance.normal(0, self.noise, given.shape)
-        return self._answers(given), metrics_of(scores + self.offset)
-
-    def _answers(self, given: np.ndarray) -> pd.DataFrame:
-        axes = {
-            "participant": names("p", self.participants),
-            "condition": names("c", self.conditions),
-            "segment": names("s", self.segments),
+        answers = {
+            axis: pd.Categorical([f"{axis[0]}{number:02d}" for number in place.ravel()])
+            for axis, place in zip(
+                ("participant", "condition", "segment"), np.indices(given.shape), strict=True
+            )
         }
-        rows = pd.MultiIndex.from_product(list(axes.values()), names=list(axes)).to_frame(
-            index=False
-        )
-        return rows.astype("category").assign(value=given.ravel())
+        return pd.DataFrame(answers).assign(value=given.ravel()), metrics_of(scores + self.offset)
 
 
 def names(letter: str, count: int) -> list[str]:

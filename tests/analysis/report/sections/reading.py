@@ -64,15 +64,10 @@ def named_table(section: Section, name: str) -> Table:
     return next(table for table in section.tables if table.name == name)
 
 
-def texts(table: Table) -> list[list[str]]:
-    """Return the texts of a table's cells."""
-    return [[cell.text for cell in row] for row in table.rows]
-
-
 def check_texts(sections: Iterable[Section]) -> None:
     """Require that no text is of a missing number, and that every cell has a header."""
     for section in sections:
-        said = [cell for table in section.tables for row in texts(table) for cell in row]
+        said = [cell.text for table in section.tables for row in table.rows for cell in row]
         said += [note for table in section.tables for note in table.notes]
         said += [told(picture) for picture in section.pictures]
         assert not any("nan" in re.split(r"\W", text.lower()) for text in said)

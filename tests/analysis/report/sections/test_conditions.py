@@ -38,18 +38,15 @@ def test_sets_are_kept_apart(sections: Sections) -> None:
     assert len(names) == len(set(names))
 
 
-def test_bar_segments_are_proportional_to_scores_and_ranks(
+def test_bars_are_the_shares_of_scores_and_places(
     results: RatingResults, ranking_results: RankingResults, sections: Sections
 ) -> None:
-    picture = named_picture(sections("rating")[0], "ratings-set-1")
-    for row, rated in enumerate(c for c in results.conditions if c.set == "1"):
-        percents = [100 * count / rated.n for count in rated.counts.values()]
-        assert [width for _, width in bar(picture, row)] == pytest.approx(percents)
+    said = told(named_picture(sections("rating")[0], "ratings-set-1"))
+    for rated in (c for c in results.conditions if c.set == "1"):
+        assert f"{rated.condition}: score 1: {rated.counts[1]} of {rated.n} ratings" in said
     picture = named_picture(sections("ranking")[0], "places")
-    best_first = sorted(ranking_results.conditions, key=lambda c: c.mean_rank.estimate)
-    for row, ranked in enumerate(best_first):
-        percents = list(ranked.rank_percent.values())
-        assert [width for _, width in bar(picture, row)] == pytest.approx(percents)
+    best = min(ranking_results.conditions, key=lambda c: c.mean_rank.estimate)
+    assert [width for _, width in bar(picture, 0)] == pytest.approx([*best.rank_percent.values()])
 
 
 def test_cumulative_curves_are_the_shares_that_reach_a_score(
