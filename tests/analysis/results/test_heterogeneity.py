@@ -10,7 +10,13 @@ import pytest
 from analysis.answers.participants import leave_out
 from analysis.results.heterogeneity import MOST_PAIRS, PreferredPair, preferred_pairs
 from analysis.stats.multiple_testing import holm
-from tests.analysis.results.made_tables import TABLES, pairwise_table, read_table, report_of
+from tests.analysis.results.made_tables import (
+    TABLES,
+    crossed,
+    pairwise_table,
+    read_table,
+    report_of,
+)
 
 
 def apart(folder: Path, table: pd.DataFrame, protocol: str) -> list[Any]:
@@ -78,12 +84,10 @@ def test_unpaired_ratings_have_no_difference(tmp_path: Path) -> None:
     table = with_emotions(TABLES["rating"](participants=6))
     lonely = table[~((table["condition"] == "ours") & (table["segment"] == "s0"))]
 
-    result = apart(tmp_path, lonely, "rating")
+    pairs = {(one.by, one.a, one.b): one for one in apart(tmp_path, lonely, "rating")}
 
-    pair = next(
-        one for one in result if one.by == "segment" and {one.a, one.b} == {"truth", "ours"}
-    )
-    assert [level.level for level in pair.levels] == [f"s{n}" for n in range(1, 6)]
+    levels = pairs["segment", "truth", "ours"].levels
+    assert [level.level for level in levels] == [f"s{n}" for n in range(1, 6)]
 
 
 def pairs_of(rows: pd.DataFrame, protocol: str, folder: Path) -> tuple[PreferredPair, ...]:
@@ -122,17 +126,9 @@ def test_for_two_conditions_the_segments_with_most_and_fewest_wins_are_kept(
 def test_in_ratings_and_rankings_the_clip_placed_higher_wins(
     protocol: str, value: str, given: tuple[int, int], tmp_path: Path
 ) -> None:
-    rows = pd.DataFrame(
-        {
-            "participant": "p1",
-            "segment": "s1",
-            "question": "realism",
-            "condition": ["ours", "theirs"],
-            value: given,
-        }
-    )
+    rows = crossed(1, 1, condition=["ours", "theirs"])
 
-    (result,) = pairs_of(rows, protocol, tmp_path)
+    (result,) = pairs_of(rows.assign(question="realism", **{value: given}), protocol, tmp_path)
 
     assert (result.first, result.second, result.win_shares) == ("ours", "theirs", {"realism": 1.0})
 

@@ -5,12 +5,16 @@ from collections.abc import Callable
 import pandas as pd
 import pytest
 
-from analysis.report.content import FigureText, Section
+from analysis.report.content import Section
 from analysis.report.sections.heterogeneity import effects, heterogeneity_section
-from analysis.report.sections.preferences import pairwise_groups, preference_pictures
-from analysis.results.pairwise import PairwiseResults
 from tests.analysis.report.sections.conftest import Analyse, Sections
-from tests.analysis.report.sections.reading import check_texts, drawn, present, told
+from tests.analysis.report.sections.reading import (
+    check_texts,
+    drawn,
+    named_picture,
+    present,
+    told,
+)
 from tests.analysis.report.subjects import headline, subject_of
 from tests.analysis.results.made_tables import TABLES, pairwise_table
 
@@ -50,12 +54,8 @@ def test_a_comparison_without_analysed_answers_says_so_among_the_others(analyse:
     lost = table["participant"].isin(["p00"])
     of_one = (table["left"].isin(["other", "static"])) & (table["right"].isin(["other", "static"]))
     table = table[lost | ~of_one].assign(excluded=lambda t: t["participant"] == "p00")
-    results = analyse("pairwise", table).results
-    assert isinstance(results, PairwiseResults)
-    (group,) = pairwise_groups(results, None)
-    (picture,) = preference_pictures(
-        group, FigureText(name="preferences", title="Answers", caption="")
-    )
+    (section,) = headline(analyse("pairwise", table))
+    picture = named_picture(section, "preferences")
     assert "no answers" in drawn(picture).get_text()
     assert "other against static: no answers" in told(picture)
 

@@ -87,9 +87,7 @@ def test_comparisons_are_oriented_to_their_common_condition(
             continue
         turned += 1
         assert row.levels == tuple(one.counts.values())[::-1]
-        assert row.result.win_share.estimate == pytest.approx(1 - one.win_share.estimate)
         assert row.result.win_share.low == pytest.approx(1 - one.win_share.high)
-        assert row.result.clmm.estimate == -one.clmm.estimate
     assert 0 < turned < len(group.rows)
     (section,) = sections("against one")
     assert [picture.name for picture in section.pictures] == ["preferences"]
