@@ -6,6 +6,7 @@ Breaks are offered between trials, and end when the participant is ready.
 
 from __future__ import annotations
 
+import re
 import secrets
 import unicodedata
 from dataclasses import dataclass, replace
@@ -175,11 +176,7 @@ def check_sound(
     UnacceptableError
         If no digit was typed.
     """
-    digits = "".join(
-        str(unicodedata.digit(letter))
-        for letter in unicodedata.normalize("NFKC", typed)
-        if letter.isdigit()
-    )
+    digits = re.sub(r"[^0-9]", "", unicodedata.normalize("NFKC", typed))
     with database.writing() as session:
         study_session = find_study_session(session, token)
         regain_place(session, served, study_session)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Barrier
@@ -18,9 +17,7 @@ from studyapp.desk.inbox import (
     InboxFile,
     Upload,
 )
-from studyapp.desk.lab import Lab
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.desk.job_watching import wait_until_ended
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 
 CONTENT = bytes(range(256)) * 40
@@ -175,7 +172,6 @@ def test_uploads_leave_disk_space_for_answers(
 
 TINY = "/research/studies/tiny/"
 UPLOADS = f"{TINY}uploads"
-PAGE = f"{TINY}bring-in"
 WHAT = {"condition": "ours", "name": "take-0.npz", "changed": "1700000000000"}
 
 
@@ -202,26 +198,3 @@ def test_refusals_give_a_reason_or_where_to_go_on(ada: ResearchBrowser) -> None:
     assert send_piece(ada, b"x", offset=0, size=0)[0] == 422
     assert send_piece(ada, b"x", offset=-1, size=1)[0] == 400
     assert send_piece(ada, b"x" * 2 * LARGEST_PIECE, offset=0, size=2 * LARGEST_PIECE)[0] == 413
-
-
-def test_the_import_takes_valid_files_and_explains_the_others(
-    lab: Lab, ada: ResearchBrowser, motion_file: Callable[..., Path]
-) -> None:
-    motion = motion_file(2.0).read_bytes()
-    for name in ("take-0.npz", "take-9.npz", "take-1.mp4"):
-        assert send_piece(ada, motion, offset=0, size=len(motion), name=name)[0] == 200
-    assert ada.post(f"{TINY}jobs/import").status_code == 303
-    study = lab.folder / "tiny"
-    wait_until_ended(study / "jobs", "import")
-    assert (study / "motion" / "ours" / "take-0.npz").is_file()
-    assert {path.name for path in (study / "inbox" / "ours").iterdir()} == {
-        "take-9.npz",
-        "take-1.mp4",
-    }
-    page = ada.get(PAGE)
-    assert "ours/take-9.npz: there is no segment" in page.text
-    assert "ours/take-1.mp4: " in page.text
-    ada.post(f"{PAGE}/remove", condition="ours", name="take-9.npz")
-    page = ada.get(PAGE)
-    assert "there is no segment" not in page.text
-    assert "ours/take-1.mp4: " in page.text
