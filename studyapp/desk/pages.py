@@ -70,7 +70,7 @@ def _title(study: OpenedStudy) -> str:
     """Return the study's title; its folder's name where the study file cannot be read."""
     try:
         return read_study(study.folder.definition).title
-    except InputError:
+    except (InputError, OSError):
         return study.name
 
 
