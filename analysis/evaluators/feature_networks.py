@@ -30,15 +30,6 @@ EXPRESSION: Final = "expression autoencoder"
 WHOLE: Final = "autoencoder of gesture and expression"
 LANDMARKS: Final = "landmark autoencoder"
 
-OF_CHANNELS: Final = {
-    "body": EMOTION,
-    "landmarks": LANDMARKS,
-    "gesture": GESTURE,
-    "expression": EXPRESSION,
-    "both": WHOLE,
-}
-"""The networks that are trained here, by their input."""
-
 PUBLISHED: Final = {
     "emage": "EMAGE's evaluator",
     "beat": "BEAT's evaluator",
@@ -55,15 +46,28 @@ FLD: Final = f"FLD ({LANDMARKS})"
 VARIANCE_OF_EMOTION: Final = f"variance of features ({EMOTION})"
 EMOTION_ACCURACY: Final = f"gesture emotion accuracy ({EMOTION})"
 
+_TRAINED: Final = (
+    ("body", EMOTION, FGD_OF_EMOTION, "emotion"),
+    ("gesture", GESTURE, FGD, "motion"),
+    ("expression", EXPRESSION, FED, "motion --channels expression"),
+    ("both", WHOLE, FMD, "motion --channels both"),
+    ("landmarks", LANDMARKS, FLD, "face"),
+)
+"""The input, name, Fréchet distance and command of each network that is trained here."""
+
+OF_CHANNELS: Final = {channels: network for channels, network, _, _ in _TRAINED}
+"""The networks that are trained here, by their input."""
+
 DISTANCES: Final = {
-    EMOTION: FGD_OF_EMOTION,
-    GESTURE: FGD,
-    EXPRESSION: FED,
-    WHOLE: FMD,
-    LANDMARKS: FLD,
+    **{network: distance for _, network, distance, _ in _TRAINED},
     **{name: f"FGD ({name})" for name in PUBLISHED.values()},
 }
 """The Fréchet distance in the features of each network."""
+
+COMMANDS: Final = {
+    network: f"motionjury train evaluator {arguments}" for _, network, _, arguments in _TRAINED
+}
+"""The commands that train networks, by name."""
 
 
 def distance_of(network: str) -> str:
@@ -89,15 +93,6 @@ def kernel_of(network: str) -> str:
 
 _FACE_NETWORKS: Final = (EXPRESSION, LANDMARKS)
 """Networks that see only the face."""
-
-COMMANDS: Final = {
-    EMOTION: "motionjury train evaluator emotion",
-    GESTURE: "motionjury train evaluator motion",
-    EXPRESSION: "motionjury train evaluator motion --channels expression",
-    WHOLE: "motionjury train evaluator motion --channels both",
-    LANDMARKS: "motionjury train evaluator face",
-}
-"""The commands that train networks, by name."""
 
 
 @dataclass(frozen=True, kw_only=True)
