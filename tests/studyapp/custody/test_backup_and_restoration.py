@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import sqlite3
 import stat
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
@@ -19,7 +18,7 @@ from motion.errors import InputError
 from studyapp.custody import backup, restoration
 from studyapp.custody.backup import Backup, back_up
 from studyapp.custody.restoration import restore
-from studyapp.database.copies import require_empty, write_copy
+from studyapp.database.copies import require_empty
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables.researchers import AuditLine
 from studyapp.database.tables.study_session import StudySession
@@ -246,26 +245,6 @@ def test_a_backup_that_names_files_outside_the_study_is_refused(
     made = study.back_up()
 
     with pytest.raises(InputError, match=r"'\.\./secret\.mp4' lies outside"):
-        restore(made.path, new, study.clock)
-    assert not new.root.exists()
-
-
-def test_a_backup_with_triggers_or_views_is_refused(
-    study: Study, new: StudyFolder, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def write_with_more(url: str, file: Path) -> None:
-        write_copy(url, file)
-        with closing(sqlite3.connect(file)) as connection:
-            connection.executescript(
-                "CREATE TRIGGER t AFTER INSERT ON responses BEGIN DELETE FROM responses; END;"
-                "CREATE VIEW v AS SELECT * FROM response"
-            )
-
-    monkeypatch.setattr(backup, "write_copy", write_with_more)
-    monkeypatch.setattr(backup, "check_archive", lambda *_: None)
-    made = study.back_up()
-
-    with pytest.raises(InputError, match=r"the trigger 't', which no study has.*the view 'v'"):
         restore(made.path, new, study.clock)
     assert not new.root.exists()
 

@@ -160,8 +160,13 @@ def test_a_damaged_copy_is_detected(
     write_copy(database_url, tmp_path / "copy.db")
     with closing(sqlite3.connect(tmp_path / "copy.db")) as copy:
         copy.execute("DELETE FROM trials WHERE id = 1")
-        copy.commit()
-    assert "rows refer to missing rows" in find_flaws(tmp_path / "copy.db")[0]
+        copy.executescript(
+            "CREATE TRIGGER t AFTER INSERT ON responses BEGIN DELETE FROM responses; END;"
+            "CREATE VIEW v AS SELECT * FROM responses"
+        )
+    flaws = " ".join(find_flaws(tmp_path / "copy.db"))
+    for flaw in ("rows refer to missing rows", "the trigger 't', which no study", "the view 'v'"):
+        assert flaw in flaws
 
     (tmp_path / "copy.db").write_bytes((tmp_path / "copy.db").read_bytes()[:20_000])
     assert find_flaws(tmp_path / "copy.db")
