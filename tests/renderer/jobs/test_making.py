@@ -9,7 +9,6 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import NoReturn
 
 import numpy as np
 import pytest
@@ -89,21 +88,6 @@ def test_without_graphics_no_process_is_started(
     with pytest.raises(ModuleNotFoundError, match="pyrender"):
         run_jobs([job], processes=1)
     assert not multiprocessing.active_children()
-
-
-class _UnsendableName(str):
-    __slots__ = ()
-
-    def __reduce__(self) -> NoReturn:
-        raise ValueError("cannot be sent")
-
-
-def test_an_idle_process_is_ended_if_its_next_job_cannot_be_sent(job: ClipJob) -> None:
-    before = multiprocessing.active_children()
-    failing = replace(job, motion=Path("none.npz"), video=Path("none.mp4"))
-    with pytest.raises(ValueError, match="cannot be sent"):
-        run_jobs([failing, replace(failing, name=_UnsendableName("x"))], processes=1)
-    assert multiprocessing.active_children() == before
 
 
 def _running_in_group(group: int) -> list[str]:

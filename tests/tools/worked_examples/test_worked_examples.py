@@ -1,11 +1,7 @@
 from pathlib import Path
 
-import pytest
-from scipy import stats
-
 from tools.worked_examples.amuse_study import TABLE_A5
 from tools.worked_examples.page import worked_examples
-from tools.worked_examples.rebuilt import rebuild
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "worked-examples.md"
 PAPER = "papers/amuse.txt"
@@ -22,10 +18,3 @@ def test_the_table_matches_the_paper(shared_data: Path) -> None:
         (cells,) = (line.split("\t")[1:] for line in lines if line.startswith(f"{printed}\t"))
         rows = [row for row in TABLE_A5 if row.other == printed]
         assert list(map(int, cells)) == [n for row in rows for n in (row.ours, row.others)]
-
-
-def test_the_sign_test_of_rebuilt_counts_is_the_exact_binomial_test() -> None:
-    for row in rebuild():
-        ours, others = row.nearest
-        assert row.binomial_p == pytest.approx(stats.binomtest(ours, ours + others).pvalue)
-        assert row.binomial_range[0] <= row.binomial_p <= row.binomial_range[1]

@@ -12,8 +12,6 @@ from motion.formats.beat_tracks import read_semantic_scores
 from motion.formats.bvh import read_bvh
 from motion.formats.transcript import read_transcript
 from tests.support.sounds import needs_espeak
-from tools.corpus_page.__main__ import tables
-from tools.corpus_page.measuring import decided, minutes, read_measured, read_request
 from training.corpus.making import files_of, make_corpus
 from training.corpus.plan import CorpusRequest, planned_takes
 from training.corpus.process import Process
@@ -58,11 +56,9 @@ def test_the_beat_reader_reads_it_without_warnings(corpus: Path) -> None:
 
 
 def test_the_truth_can_be_computed_from_the_files_alone(corpus: Path) -> None:
-    request = read_request(corpus)
-    assert request == REQUEST
     take = read_takes(corpus).takes[0]
     truth = np.load(corpus / "truth" / f"{take.name}.npz")
-    speaker = speaker_of(int(truth["speaker"]), request.seed)
+    speaker = speaker_of(int(truth["speaker"]), REQUEST.seed)
     process = Process.from_speech(read_audio(take.speech), take.emotion, speaker)
     result = process.drive(float(truth["frame_rate"]))
     for field in fields(result):
@@ -105,27 +101,3 @@ def test_a_folder_with_another_corpus_or_other_files_is_not_touched(
     with pytest.raises(InputError, match="not empty"):
         make_corpus(tmp_path, REQUEST)
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
-
-
-def test_the_truth_of_another_version_is_not_computed(corpus: Path, tmp_path: Path) -> None:
-    text = (corpus / "corpus.json").read_text()
-    (tmp_path / "corpus.json").write_text(text.replace('version": "', 'version": "0.'))
-    with pytest.raises(InputError, match="Make the corpus again"):
-        read_request(tmp_path)
-
-
-def test_measurements_are_taken_from_the_files(corpus: Path) -> None:
-    takes = read_measured(corpus)
-    lengths = minutes(takes)
-    seconds = sum(read_audio(take.speech).duration for take in read_takes(corpus).takes)
-    assert sum(lengths.values()) == pytest.approx(seconds / 60)
-    result = {one.curve: one for one in decided(takes)}
-    assert 0.3 < result["wrist_speed"].explained < 0.9
-    assert result["jaw_open"].correlation > 0.95
-    # A single text in each emotion leaves no other speech to compare with.
-    assert np.isnan(result["wrist_speed"].of_other_speech)
-    page = "\n".join(tables(takes, 10**6))
-    assert "| wrist speed |" in page
-    assert "| acceleration, m/s², BEAT | 3.60 | 3.00 | 8.70 |" in page
-    assert "there is no such take" in page
-    assert "nan" not in page
