@@ -51,23 +51,17 @@ def sqlite_url(path: Path) -> str:
     return address.render_as_string(hide_password=False)
 
 
-def database_url_of(
-    folder: Path, *, database_url: str | None = None, rehearsal: bool = False
-) -> str:
+def database_url_of(folder: Path, *, rehearsal: bool = False) -> str:
     """Return the URL of the database for answers.
 
     Parameters
     ----------
     folder : Path
         The study folder.
-    database_url : str, optional
-        Takes precedence over everything else.
     rehearsal : bool
         Rehearsals have a database of their own, whatever the environment says. Participants'
         answers go to ``DATABASE_URL`` if it is set, or into the study folder.
     """
-    if database_url is not None:
-        return database_url
     files = StudyFolder(folder)
     if rehearsal:
         return sqlite_url(files.rehearsal)

@@ -84,7 +84,7 @@ def create_app(
     folder : Path
         The study folder; its videos must be complete.
     database_url : str, optional
-        See `studyapp.database.engine.database_url_of`.
+        Of the database for answers, in place of the folder's (`database_url_of`).
     rehearsal_speed : float, optional
         Makes a rehearsal, in which so many seconds pass for each real one.
     is_test : bool
@@ -117,7 +117,7 @@ def create_app(
     files = StudyFolder(folder)
     if is_test:
         database_url = sqlite_url(files.tries)
-    url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
+    url = database_url or database_url_of(folder, rehearsal=rehearsal)
     app = StudyWeb()
     app.jinja_env.globals["is_test"] = is_test
     site = StudySite(

@@ -121,7 +121,7 @@ def run_server(
     served = ServedStudy.read(folder).opened_for(rehearsal=rehearsal)
     store = MediaStore.of(folder, served) if from_store else None
     AlarmChannels.of(served.study)
-    url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
+    url = database_url or database_url_of(folder, rehearsal=rehearsal)
 
     def make() -> Flask:
         app = create_app(

@@ -205,19 +205,15 @@ ADDRESS = "postgresql://host/study"
 
 
 @pytest.mark.parametrize(
-    ("given", "rehearsal", "expected"),
-    [
-        (None, False, ADDRESS),
-        (None, True, sqlite_url(Path("/study/rehearsal.db"))),
-        ("sqlite:////given.db", False, "sqlite:////given.db"),
-    ],
+    ("rehearsal", "expected"),
+    [(False, ADDRESS), (True, sqlite_url(Path("/study/rehearsal.db")))],
 )
 def test_a_rehearsal_never_answers_into_the_real_database(
-    monkeypatch: pytest.MonkeyPatch, given: str | None, rehearsal: bool, expected: str
+    monkeypatch: pytest.MonkeyPatch, rehearsal: bool, expected: str
 ) -> None:
     monkeypatch.setenv("DATABASE_URL", ADDRESS)
 
-    assert database_url_of(Path("/study"), database_url=given, rehearsal=rehearsal) == expected
+    assert database_url_of(Path("/study"), rehearsal=rehearsal) == expected
 
 
 @pytest.mark.parametrize("name", ["which?", "a%41", "two words", "a#b", "a?mode=ro&b"])
