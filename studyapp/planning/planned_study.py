@@ -198,9 +198,10 @@ def planned_segments(
             name=f"segment-{number}",
             wav=f"segment-{number}.wav",
             start=0.0,
-            end=lengths[number % len(lengths)],
+            # Any few of them have all lengths.
+            end=lengths[(number + number // len(EMOTIONS)) % len(lengths)],
             speaker="speaker",
-            emotion=EMOTIONS[number // len(lengths) % len(EMOTIONS)],
+            emotion=EMOTIONS[number % len(EMOTIONS)],
             transcript="",
         )
         for number in range(max(items))

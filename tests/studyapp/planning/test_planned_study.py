@@ -99,9 +99,11 @@ def test_added_segments_resemble_existing_ones() -> None:
 def test_every_protocol_has_parts(name: str, kind: str, tmp_path: Path) -> None:
     study = template(name, tmp_path)
     segments = planned_segments(StudyFolder(tmp_path), study, (24,))
-    size = PlannedStudy(study=study, segments=segments, excluded=0.0).size(6, 24)
+    any_size = PlannedStudy(study=study, segments=segments, excluded=0.0)
+    size = any_size.size(6, 24)
 
-    assert tuple(part.name for part in size.parts) == study.parts
+    for each in (size, any_size.size(6, 8)):
+        assert tuple(part.name for part in each.parts) == study.parts
     assert {part.kind for part in size.parts} == {kind}
     for part in size.parts:
         asked = sum(question.belongs_to(part.name) for question in study.questions)
