@@ -52,25 +52,6 @@ def test_eligibility_comes_before_consent_and_neither_stores_anything(asking: Fl
     assert list(stored_in(asking, select(FormAnswer.question))) == ["adult", "read"]
 
 
-def test_a_missing_answer_is_marked_and_the_others_are_kept(
-    asking: Flask,
-) -> None:
-    client = asking.test_client()
-    first = PageReader(client.get("/").text)
-
-    unanswered = submit(client, first)
-    consent = PageReader(submit(client, first, adult="yes").text)
-    unread = submit(client, consent)
-
-    assert (unanswered.status_code, unread.status_code) == (422, 422)
-    page = PageReader(unanswered.text)
-    group = page.one("[role=radiogroup]")
-    assert group["aria-invalid"] == "true"
-    described = page.one(f"#{str(group['aria-describedby']).strip()}")
-    assert "not answered" in described.get_text()
-    assert PageReader(unread.text).value("[name='form:adult']", "value") == "yes"
-
-
 def set_intake(app: Flask, state: IntakeState) -> None:
     site = site_of(app)
     change_intake(site.database, site.served, site.clock, state, by="Ada", reason="enough")
