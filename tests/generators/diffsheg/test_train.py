@@ -112,17 +112,14 @@ def test_the_file_records_its_training_and_another_ablation_cannot_resume_it(
     network = load_network(out, "beat", None)
     assert network.dataset == "beat"
     assert network.speakers == Speakers(("1", "2"), SMALL.speakers)
-    assert network.hubert is not None
-    assert network.hubert.startswith("stand-in for HuBERT")
+    assert str(network.hubert).startswith("stand-in for HuBERT")
     assert network.model.config.flow == "none"
     assert network.training["losses"] == "release"
     assert network.training["data"]["sha256"] == "c" * 64
     assert network.training["config"]["steps"] == 2
     assert network.training["versions"]["torch"] == torch.__version__
-    with pytest.raises(InputError, match="network flow was 'none' and is 'joint'"):
-        learn(3, out, ablation="naive_concat", preset="release")
-    with pytest.raises(InputError, match=r"loss noise was 1000.* and is 10\b"):
-        learn(3, out, ablation="without_x0", preset="paper")
+    with pytest.raises(InputError, match=r"loss noise was 1000.*network flow was 'none' and is"):
+        learn(3, out, ablation="naive_concat", preset="paper")
 
 
 def test_motion_is_normalised_by_the_training_split_only(takes: PreparedTakes) -> None:
