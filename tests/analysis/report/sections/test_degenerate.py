@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from analysis.report.content import Section
-from analysis.report.sections.heterogeneity import effects, heterogeneity_section
+from analysis.report.sections.heterogeneity import heterogeneity_section
 from tests.analysis.report.sections.conftest import Analyse, Sections
 from tests.analysis.report.sections.reading import (
     check_texts,
@@ -97,14 +97,3 @@ def test_effects_are_split_by_emotion_and_few_segments_are_descriptive(
     untested = apart(all_alike(table, "pairwise"))
     assert untested.tables[0].secondary == "No test could be run"
     assert any("no test" in note for note in untested.tables[0].notes)
-
-
-def test_effects_are_oriented_to_the_reference(analyse: Analyse) -> None:
-    table = pairwise_table(("ours", "other"), effects=(1, 0), participants=4, segments=4)
-    results = analyse("pairwise", table).results
-    (forward,), (turned,) = (effects(results, name) for name in ("ours", "other"))
-    assert forward.label == "ours against other"
-    assert turned.label == "other against ours"
-    for one, other in zip(forward.result.levels, turned.result.levels, strict=True):
-        assert other.estimate == pytest.approx(1 - one.estimate)
-        assert other.descriptive == one.descriptive

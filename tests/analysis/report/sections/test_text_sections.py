@@ -11,6 +11,7 @@ import pytest
 from analysis.answers.exclusion_rules import watched_less
 from analysis.report.content import Section, Still
 from analysis.report.sections.answer import answer, certainty, limits_section, methods_section
+from analysis.report.sections.heterogeneity import effects
 from analysis.report.sections.participants import (
     diagnostics_section,
     flow_section,
@@ -212,12 +213,17 @@ def test_pairs_are_oriented_to_the_reference_as_in_the_headline(
     table = pairwise_table(("ours", "other"), effects=(1.0, 0.0), participants=8)
     table["excluded"] = table["participant"] == table["participant"].iloc[0]
     report = report_of(table, "pairwise", tmp_path)
-
-    found = present(sensitivity_section(report, subject_of(report, reference=reference)))
-
-    [[_, pair, _, share, *_]] = found.tables[0].rows
     assert isinstance(report.results, PairwiseResults)
     [comparison] = report.results.comparisons
-    toward = comparison.win_share.estimate
+    estimate = comparison.win_share.estimate
+    toward = pytest.approx(estimate if comparison.a == reference else 1 - estimate)
+
+    found = present(sensitivity_section(report, subject_of(report, reference=reference)))
+    (effect,) = effects(report.results, reference)
+
+    [[_, pair, _, share, *_]] = found.tables[0].rows
     assert pair.text.startswith(reference)
-    assert share.value == pytest.approx(toward if comparison.a == reference else 1 - toward)
+    assert share.value == toward
+    assert effect.label.startswith(f"{reference} against")
+    levels = effect.result.levels
+    assert np.average([x.estimate for x in levels], weights=[x.n for x in levels]) == toward
