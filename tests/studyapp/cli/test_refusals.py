@@ -56,7 +56,6 @@ REFUSED: dict[str, dict[str, str]] = {
     "plan": {
         "study --participants 6": "(--items 24,48 tries",
         "study --items 8 --effect 0.2,nan": "'nan' is not a number",
-        "study --participants 90000 --items 100": "more than 400,000 answers",
     },
     "publish-media": {
         "study https://example.org/bucket": "not the name of a bucket",
@@ -90,6 +89,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "study --folder new --with-recruiter-ids": "cannot be given with --folder",
         "study --with-videos": "cannot be given with tables, only with --folder",
     },
+    "backup": {"study new.zip": "no database of answers yet. If the study is served with DATABASE"},
     "exclude": {
         "study 1 --reason asleep": "there is no database of answers yet",
     },

@@ -146,13 +146,6 @@ def test_deleted_data_leaves_no_bytes_in_a_copy(
     assert [path.name for path in tmp_path.glob("copy*")] == ["copy.db"]
 
 
-def test_copying_a_missing_database_creates_nothing(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="DATABASE_URL"):
-        write_copy(sqlite_url(tmp_path / "responses.db"), tmp_path / "copy.db")
-
-    assert list(tmp_path.iterdir()) == []
-
-
 @SQLITE
 def test_a_damaged_copy_is_detected(
     answered: Participant, database_url: str, tmp_path: Path

@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from motion.errors import InputError
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.settings.conditions import Condition
@@ -144,14 +143,6 @@ def test_the_face_is_framed_if_all_questions_are_about_it(
     )
 
     assert study.video.framing == expected
-
-
-def test_an_invalid_study_is_not_written(tmp_path: Path) -> None:
-    path = tmp_path / "study.toml"
-    conditions = {"a": Condition(generator="static"), "b": Condition(generator="nothing")}
-    with pytest.raises(InputError, match="unknown generator 'nothing'"):
-        new_study(path, name="s", reference="a", conditions=conditions)
-    assert not path.exists()
 
 
 def test_adding_a_condition_keeps_the_comments_and_reads_over_a_byte_order_mark(

@@ -59,6 +59,12 @@ def study_file(tmp_path: Path) -> Path:
             },
             "circle",
         ),
+        (
+            {"questions.0.name": "two words", "questions.1.name": "two words"},
+            "questions.1.name: may contain only letters, digits",
+        ),
+        ({"questions.0.name": "trial"}, "no question can be named 'trial'"),
+        ({"questions.0.text": "How {condition}?"}, "may contain {emotion}"),
     ],
 )
 def test_a_wrong_key_is_named_with_its_file(
@@ -69,6 +75,8 @@ def test_a_wrong_key_is_named_with_its_file(
         read_study(study_file)
     assert said in str(caught.value)
     assert str(study_file) in str(caught.value)
+    # Wrong questions are not reported as too few.
+    assert "at least 1" not in str(caught.value)
 
 
 STUDY = render_template("pairwise", name="lines")
@@ -107,25 +115,6 @@ def test_mistakes_are_reported_with_their_line(
     number = max(number for number, words in enumerate(text.split("\n"), 1) if line in words)
     with pytest.raises(InputError, match=re.escape(said.format(number))):
         parse_text(text, where="study.toml")
-
-
-@pytest.mark.parametrize(
-    ("question", "said"),
-    [
-        ({"name": "two words"}, "questions.1.name: may contain only letters, digits"),
-        ({"name": "trial"}, "no question can be named 'trial'"),
-        ({"text": "How {condition}?"}, "may contain {emotion}"),
-    ],
-)
-def test_an_error_explains_an_invalid_question(
-    study_file: Path, question: dict[str, str], said: str
-) -> None:
-    for key, value in question.items():
-        set_keys(study_file, {f"questions.{number}.{key}": value for number in (0, 1)})
-    with pytest.raises(InputError, match=re.escape(said)) as caught:
-        read_study(study_file)
-    # Questions are not too few, but wrong.
-    assert "at least 1" not in str(caught.value)
 
 
 @pytest.mark.parametrize(
