@@ -30,6 +30,14 @@ def with_emotions(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(emotion=emotion, speaker=np.where(number % 2, "ada", "bo"))
 
 
+LEVELS = {
+    "emotion": [("anger", False), ("joy", True)],
+    "speaker": [("ada", True), ("bo", True)],
+    "segment": [(f"s{number}", True) for number in range(6)],
+}
+"""The levels of a table `with_emotions`, and whether they are only described."""
+
+
 @pytest.mark.parametrize(
     ("protocol", "measure"),
     [
@@ -43,16 +51,9 @@ def test_every_protocol_is_split_into_levels(protocol: str, measure: str, tmp_pa
     result = apart(tmp_path, with_emotions(TABLES[protocol](participants=8)), protocol)
 
     assert {one.measure for one in result} == {measure}
-    assert {one.by for one in result} == {"emotion", "speaker", "segment"}
+    assert {one.by for one in result} == LEVELS.keys()
     for one in result:
-        described = {level.level: level.descriptive for level in one.levels}
-        if one.by == "emotion":
-            assert described == {"anger": False, "joy": True}
-        if one.by == "speaker":
-            assert described == {"ada": True, "bo": True}
-        if one.by == "segment":
-            assert list(described) == [f"s{n}" for n in range(6)]
-            assert all(described.values())
+        assert [(level.level, level.descriptive) for level in one.levels] == LEVELS[one.by]
         for level in one.levels:
             assert bool(level.remark) == level.descriptive
             assert np.isnan(level.p_value) == level.descriptive
