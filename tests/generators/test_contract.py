@@ -114,16 +114,11 @@ def test_a_generator_that_needs_a_source_refuses_to_run_without(
         generator.generate(speech, seed=1, frame_rate=30)
 
 
-def counting(frames: int) -> MotionClip:
-    """A clip with distinct frames: trans holds the frame's number."""
-    return clip_of(
-        np.zeros((frames, 55, 3)), np.repeat(np.arange(float(frames))[:, None], 3, axis=1)
-    )
-
-
 @given(st.integers(1, 30), st.integers(1, 100))
 def test_a_clip_is_fitted_to_any_length_without_a_jump(length: int, frames: int) -> None:
-    numbers = with_length(counting(length), frames).trans[:, 0]
+    counted = np.repeat(np.arange(float(length))[:, None], 3, axis=1)
+    clip = clip_of(np.zeros((length, 55, 3)), counted)
+    numbers = with_length(clip, frames).trans[:, 0]
     assert len(numbers) == frames
     np.testing.assert_array_equal(numbers[:length], np.arange(min(length, frames)))
     assert (np.abs(np.diff(numbers)) <= 1).all()

@@ -121,18 +121,10 @@ def test_a_file_whose_weights_do_not_fit_its_header_is_refused(
     assert refused.value.remedy
 
 
-def test_a_file_that_is_not_a_feature_network_is_refused(
-    emotion_file: Path, tmp_path: Path
-) -> None:
-    with pytest.raises(InputError, match="no such file"):
-        load_evaluator(tmp_path / "none.safetensors")
+def test_a_file_that_is_not_a_feature_network_is_refused(emotion_file: Path) -> None:
     checkpoint = emotion_file.with_suffix(".run") / "checkpoint.safetensors"
     with pytest.raises(InputError, match="not of a feature network"):
         load_evaluator(checkpoint)
-    cut = tmp_path / "cut.safetensors"
-    cut.write_bytes(emotion_file.read_bytes()[:-100])
-    with pytest.raises(InputError, match="damaged"):
-        load_evaluator(cut)
 
 
 def test_rotations_are_two_columns_of_their_matrices_and_the_face_follows() -> None:

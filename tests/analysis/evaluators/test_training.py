@@ -37,30 +37,25 @@ def test_training_is_reproducible_and_excludes_held_out_recordings(
     assert (facts.data["windows"], facts.data["held_out_windows"]) == (8 * 9, 2 * 9)
 
 
-def test_clips_that_cannot_be_used_are_named_and_left_out(tmp_path: Path) -> None:
+def test_clips_that_cannot_be_used_or_have_another_kind_of_face_are_left_out(
+    tmp_path: Path,
+) -> None:
     def damaged() -> MotionClip:
         raise InputError("the file is cut off", where="c.npz", remedy="Record it again")
 
+    clip = swinging("anger", 52)
+    expressive = replace(clip, arkit=None, expressions=np.zeros((len(clip), 100), np.float32))
     given = (
         *sources(),
         replace(source("anger", 50), name="c", read=damaged),
         source("anger", 51, seconds=1.0),
+        replace(source("anger", 52), name="zz", read=lambda: expressive),
     )
-    facts, skipped = train_evaluator(request(), given, tmp_path / "m.safetensors")
-    assert [error.where for error in skipped] == ["anger-51", "c.npz"]
+    asked = request(channels="expression")
+    facts, skipped = train_evaluator(asked, given, tmp_path / "m.safetensors")
+    assert [error.where for error in skipped] == ["anger-51", "c.npz", "zz"]
     assert "lasts 1.00 s" in skipped[0].what
-    assert facts.data["clips"] == 10
-
-
-def test_clips_with_another_kind_of_face_than_the_first_are_left_out(tmp_path: Path) -> None:
-    clip = swinging("anger", 52)
-    expressive = replace(clip, arkit=None, expressions=np.zeros((len(clip), 100), np.float32))
-    given = (*sources(), replace(source("anger", 52), name="zz", read=lambda: expressive))
-    facts, skipped = train_evaluator(
-        request(channels="expression"), given, tmp_path / "m.safetensors"
-    )
-    assert facts.face == "arkit"
-    assert [error.where for error in skipped] == ["zz"]
+    assert (facts.data["clips"], facts.face) == (10, "arkit")
 
 
 @pytest.mark.parametrize(
