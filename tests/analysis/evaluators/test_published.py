@@ -180,9 +180,9 @@ def test_beat_clips_are_normalised_by_the_named_frames(
     folder = tmp_path / "stats"
     folder.mkdir()
     np.save(folder / "bvh_mean.npy", mean)
-    for pickled in (False, True):
-        if pickled:
-            np.save(folder / "bvh_std.npy", np.array([None] * 141), allow_pickle=True)
+    for unusable in (None, np.array([None] * 141), np.zeros(140), np.full(141, np.nan)):
+        if unusable is not None:
+            np.save(folder / "bvh_std.npy", unusable, allow_pickle=True)
         with pytest.raises(InputError, match="not an array of 141 finite numbers"):
             load_published("beat", path, statistics=folder)
     np.save(folder / "bvh_std.npy", spread)
