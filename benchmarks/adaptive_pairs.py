@@ -5,8 +5,6 @@ strengths, plots how well their order and strengths are known after each number 
 prints the same numbers. The last lines are ``name: value``.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations

@@ -6,8 +6,6 @@ matrix products, as the release does, and the denoiser with unfused layers. Weig
 speed does not depend on them.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 from statistics import median

@@ -6,8 +6,6 @@ evaluation, with all of torch's threads. Weights are random: speed does not depe
 are frames of motion per second of wall-clock time; speech features are not counted.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from collections.abc import Callable, Mapping, Sequence

@@ -5,8 +5,6 @@ population, without a server, and prints the analysis' results; ``--write docs/r
 the tables into that page. The numbers are the same every time.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace

@@ -4,8 +4,6 @@ Motion that is generated window by window, as by DiffSHEG's outpainting (Chen et
 3.5), may jerk at the borders. A clip's provenance records where those are.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Iterator

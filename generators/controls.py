@@ -9,8 +9,6 @@ watching. So the faults must be obvious within two seconds and never stop: limbs
 beyond what a body can do, everything jitters, and the motion sometimes freezes and jumps.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType

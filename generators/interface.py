@@ -1,7 +1,5 @@
 """The interface of generators: speech and a seed in, a motion clip out."""
 
-from __future__ import annotations
-
 import zlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence

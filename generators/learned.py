@@ -1,7 +1,5 @@
 """Code shared by learned generators: training their networks, and generating motion with them."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Iterable, Sequence
 from pathlib import Path

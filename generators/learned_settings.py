@@ -1,7 +1,5 @@
 """Settings of learned generators; does not load torch."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Literal, Self
 

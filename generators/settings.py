@@ -1,7 +1,5 @@
 """Settings of generators, such as those of a study's condition; loads no network."""
 
-from __future__ import annotations
-
 from functools import reduce
 from operator import or_
 from pathlib import Path

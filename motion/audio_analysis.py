@@ -5,8 +5,6 @@ and share nothing with the accents of `motion.prosody`, to which a rule-based ge
 gestures: a score must not measure a generator with its own ruler.
 """
 
-from __future__ import annotations
-
 import fcntl
 import os
 import tempfile

@@ -4,8 +4,6 @@ A study can freeze channels of all its clips, so that a channel that a condition
 give the condition away.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """Endings of motion files, which `motion.formats` reads, and of speech, read by `motion.audio`."""
 
-from __future__ import annotations
-
 from typing import Final
 
 MOTION_ENDINGS: Final = (".bvh", ".npz", ".npy")

@@ -1,7 +1,5 @@
 """Errors that people are meant to read, and the wording of lists and counts."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 

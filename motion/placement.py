@@ -7,8 +7,6 @@ rests next to a slim person's leg, or on the hip, may be inside the leg or hip o
 arm is turned about the shoulder until the hand is outside.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 

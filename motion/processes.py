@@ -1,7 +1,5 @@
 """A pool of processes for parallel computation."""
 
-from __future__ import annotations
-
 import multiprocessing
 import signal
 from collections.abc import Callable, Iterator

@@ -20,8 +20,6 @@ accent
     stronger half of the syllables is accented.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Changing a clip's frame rate, and cutting an excerpt out of it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

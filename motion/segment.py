@@ -1,7 +1,5 @@
 """Speech segments, the excerpts that all conditions of a study have in common, and their table."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math

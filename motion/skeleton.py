@@ -5,8 +5,6 @@ the rotation of fingers in a relaxed hand.
 Source: Pavlakos et al. 2019, "Expressive Body Capture" (SMPL-X); order as in its model files.
 """
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 from typing import Final

@@ -3,8 +3,6 @@
 It replaces recordings in demonstrations. It sounds synthetic, and its emotions are not acted.
 """
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from collections.abc import Mapping

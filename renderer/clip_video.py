@@ -1,7 +1,5 @@
 """A motion clip as a video with its speech, as lossless frames for pairs, or as single pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path

@@ -4,8 +4,6 @@ One ellipse under each foot fades as the foot lifts, and a wide, faint one is un
 ground itself is invisible: the background stays plain.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

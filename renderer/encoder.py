@@ -3,8 +3,6 @@
 Neither the size nor a bit rate of an MP4 file reveals its content.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 from collections.abc import Sequence

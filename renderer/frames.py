@@ -3,8 +3,6 @@
 An offscreen OpenGL context draws a part of a square picture and reads it back once.
 """
 
-from __future__ import annotations
-
 import ctypes
 import importlib
 from collections.abc import Sequence

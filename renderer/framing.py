@@ -1,7 +1,5 @@
 """One camera for a whole study, so that framing does not reveal the condition."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final

@@ -4,8 +4,6 @@
 change, and files of other versions are made again; tests compare the output of each version.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field

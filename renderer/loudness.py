@@ -1,7 +1,5 @@
 """One loudness for every video of a study, by EBU R 128."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction

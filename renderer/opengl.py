@@ -11,8 +11,6 @@ both so that they run on a machine that only has Mesa's software library:
 - its mesh bounds use ``np.infty``, which NumPy 2 has removed.
 """
 
-from __future__ import annotations
-
 import ctypes
 import ctypes.util
 import importlib

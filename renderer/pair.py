@@ -1,7 +1,5 @@
 """Two clips side by side, labelled A and B, as one video."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """A motion clip prepared for display."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

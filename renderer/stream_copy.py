@@ -1,7 +1,5 @@
 """Copies of MP4 videos with the same encoded picture, and with the same or another speech."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace

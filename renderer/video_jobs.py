@@ -1,7 +1,5 @@
 """Jobs of making videos, as plain data, and their outcomes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

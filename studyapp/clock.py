@@ -4,8 +4,6 @@ It can be set back, by an hour as well: stored moments are to come then. How lon
 nobody knows, and nobody is to wait until the clock has reached them again.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Final

@@ -1,7 +1,5 @@
 """Work in a process beside the server's: of lower priority, and loading what a server must not."""
 
-from __future__ import annotations
-
 import atexit
 import gc
 import os

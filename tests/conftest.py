@@ -1,7 +1,5 @@
 """What all tests may use."""
 
-from __future__ import annotations
-
 import gc
 import os
 import shutil

@@ -1,7 +1,5 @@
 """The size of the product: ``make size`` writes the table at the head of CONTRIBUTING.md."""
 
-from __future__ import annotations
-
 import ast
 import io
 import tokenize

@@ -1,7 +1,5 @@
 """Take the pictures of docs/desk-way.md from the desk: ``python -m tools.desk_way``."""
 
-from __future__ import annotations
-
 import io
 import tempfile
 from pathlib import Path

@@ -4,8 +4,6 @@ A participant's page with its videos playing, the researchers' overview of the r
 figure of the report, and the strip of frames.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Pages in Markdown: templates, tables, and generated parts of pages."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any

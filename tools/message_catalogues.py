@@ -1,7 +1,5 @@
 """Keeps the translations complete: ``make messages`` finds every text that participants read."""
 
-from __future__ import annotations
-
 import ast
 import io
 from collections.abc import Iterable, Iterator, Mapping

@@ -4,8 +4,6 @@ A participant's page with its video playing, the first screen of the report, one
 of every condition, all avatars, and a figure for a paper.
 """
 
-from __future__ import annotations
-
 import os
 import sqlite3
 import subprocess

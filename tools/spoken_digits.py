@@ -4,8 +4,6 @@ Usage: python -m tools.spoken_digits. It writes the files studyapp/web/digit_rec
 kHz, mono, without silence at the ends, at the loudness of the videos.
 """
 
-from __future__ import annotations
-
 import io
 import subprocess
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Settings of a training."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import Mapping

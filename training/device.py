@@ -1,7 +1,5 @@
 """Devices of networks, CPU or GPU, and torch's threads."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager

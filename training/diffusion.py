@@ -5,8 +5,6 @@ the resampled steps, so they are implemented here; tests compare them with an in
 derivation.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

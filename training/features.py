@@ -1,7 +1,5 @@
 """Features of takes: the conditions and targets of networks."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Speakers as conditions of networks: by name or number, or as a latent that can be sampled."""
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass

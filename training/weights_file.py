@@ -1,7 +1,5 @@
 """Files of weights: safetensors with a JSON object of facts; reading them runs no code."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager

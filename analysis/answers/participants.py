@@ -1,7 +1,5 @@
 """Participants: their facts, which rule excludes whom, their flow, and how they answered."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence

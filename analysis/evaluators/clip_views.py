@@ -1,7 +1,5 @@
 """The input of a feature network: channels of a clip's frames, cut into windows."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal

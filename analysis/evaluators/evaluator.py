@@ -3,8 +3,6 @@
 One safetensors file holds everything that its scores depend on.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

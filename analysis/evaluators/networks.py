@@ -12,8 +12,6 @@ features. Speech2UnifiedExpressions trains one on face landmarks for its FLD wit
 layers; here it has Yoon's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Published evaluators, loaded by path, with the input and features of their authors."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The published networks, with the published names of their weights, and loading checkpoints."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The published networks: their inputs and how their authors used them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """Training a feature network on a researcher's own recordings."""
 
-from __future__ import annotations
-
 import hashlib
 from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping, Sequence

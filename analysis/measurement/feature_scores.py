@@ -1,7 +1,5 @@
 """Scores of whole conditions in the features of one network: distances, variance, emotions."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final

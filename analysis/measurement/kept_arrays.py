@@ -5,8 +5,6 @@ runs may share a folder: files appear in one step, and an array that another run
 is computed again.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Sequence
 from contextlib import suppress

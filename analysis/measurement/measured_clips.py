@@ -1,7 +1,5 @@
 """Reading motion files, and the data of a clip from which metrics are computed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

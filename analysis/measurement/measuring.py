@@ -1,7 +1,5 @@
 """Measuring all clips of all conditions, of a study or of a folder."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext

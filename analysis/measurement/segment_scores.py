@@ -1,7 +1,5 @@
 """All metrics of the clips of one segment; its recording and speech are read once."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace

@@ -5,8 +5,6 @@ any dense beats: onsets unrelated to the motion easily score .8. So every score 
 compare the differences from it.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Final, Literal, NamedTuple

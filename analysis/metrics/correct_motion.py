@@ -9,8 +9,6 @@ code multiplies by a constant (1 / 0.165) in place of the mean weight, so its va
 excerpt and may exceed 1. Here the weighted mean is divided by the sum of the weights.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal

@@ -5,8 +5,6 @@ clips of a condition differ from each other, and `feature_variance` the same for
 All reward noise, so read them together with jerk and compare them with recorded motion.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 

@@ -5,8 +5,6 @@ the mean over emotions, with a confusion matrix (its figure A.11). Recorded gest
 classified without error either, so their accuracy is reported as another condition.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Final
 

@@ -10,8 +10,6 @@ Published code takes a matrix square root of the product, and papers report the 
 `published_distance` computes it for comparison.
 """
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Mapping

@@ -4,8 +4,6 @@ The squared maximum mean discrepancy with the kernel ``k(x, y) = (x·y / d + 1)�
 2018, "Demystifying MMD GANs"). It accompanies every Fréchet distance.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Final
 

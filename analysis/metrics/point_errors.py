@@ -8,8 +8,6 @@ accelerations, so values at different frame rates are not comparable; here the f
 included.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

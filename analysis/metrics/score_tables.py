@@ -1,7 +1,5 @@
 """Scores as a table for programs: CSV or Parquet."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict
 from pathlib import Path

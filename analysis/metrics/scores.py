@@ -1,7 +1,5 @@
 """The scores of metrics: of a clip, of a condition and of a study, each with its settings."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace

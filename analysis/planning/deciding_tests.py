@@ -4,8 +4,6 @@ Ratings, and preferences of few participants or segments, are tested as in the r
 graded preferences replaces the mixed model, and a fit to all studies at once that of each one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 

@@ -4,8 +4,6 @@ The latent difference of two conditions is the sum of an effect, a participant's
 deviation, and logistic noise.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A plan: its request, simulated studies, and the smallest difference that they find."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """How often a study of one size finds a difference of one size."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Writing a plan: its sentences, its numbers for programs, its table, and its figure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from itertools import pairwise

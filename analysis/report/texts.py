@@ -5,8 +5,6 @@ In a template, functions return words (``share(x)``) and filters return table ce
 ``words`` holds the paragraphs.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import tomllib

@@ -1,7 +1,5 @@
 """Numbers, estimates and names in words: sensible digits, no underscores."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager

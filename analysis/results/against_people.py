@@ -1,7 +1,5 @@
 """Every metric against people's answers to every question."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Results of conditions that were rated or ranked one by one."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Pages show both before the end of a study.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Where an effect comes from: emotions, speakers, segments, and single pairs of clips."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

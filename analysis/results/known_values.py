@@ -1,7 +1,5 @@
 """Estimates of a report compared with the true values of a simulation."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

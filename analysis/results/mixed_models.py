@@ -1,7 +1,5 @@
 """Cumulative link mixed models: of preferences as given, left to right, and of ratings."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

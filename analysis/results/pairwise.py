@@ -1,7 +1,5 @@
 """Results of pairs of videos: of two conditions, or of one motion with two speeches."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal

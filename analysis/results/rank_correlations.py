@@ -1,7 +1,5 @@
 """The rank correlation of a metric with people's preference over conditions, with an interval."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

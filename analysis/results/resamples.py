@@ -3,8 +3,6 @@
 Scores are oriented: the higher, the better.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Strengths and worths of conditions, their differences, and the ranks that they allow."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

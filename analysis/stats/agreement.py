@@ -5,8 +5,6 @@ real effect can occur with an alpha near zero: if all slightly prefer one condit
 different items, they agree about the condition but not about the items.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """F tests over participants and items: min F′, and differences between groups and items."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Two-way random effects, absolute agreement: participants who use the scale diffe
 'Single' refers to one participant's answers, 'average' to the mean over an item's participants.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Final

@@ -1,7 +1,5 @@
 """Holm's correction for many tests, and the false positives of many looks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Tests of participants' means: exact sign test, signed-rank test, and equivalence."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Final, Literal

@@ -5,8 +5,6 @@ these has a two-way clustered interval. It keeps its level where the mixed model
 not: if participants and segments differ in the condition that they favour, or segments are few.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -5,8 +5,6 @@ participant and of its item (the pigeonhole bootstrap of Owen 2007). It needs on
 participant-item cell, so drawing costs two matrix products.
 """
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

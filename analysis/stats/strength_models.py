@@ -6,8 +6,6 @@ geometric mean of its members' worths times a parameter for ties of that size (T
 Firth & Kosmidis 2020).
 """
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Sequence

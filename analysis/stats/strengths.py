@@ -5,8 +5,6 @@ exp(features of a · parameters). Davidson's Bradley-Terry model and the Placket
 this kind. Answers are counted first, so the cost depends on their kinds, not on their number.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Makes a corpus, trains feature networks and both systems on it, generates motion
 measures it and writes a page. Everything is in one folder, and an interrupted run resumes.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 from collections.abc import Sequence

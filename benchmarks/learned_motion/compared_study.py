@@ -1,7 +1,5 @@
 """The study folder whose conditions are compared on the corpus' test takes."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The measurements of every condition, and the conclusions from them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final

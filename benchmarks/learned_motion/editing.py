@@ -1,7 +1,5 @@
 """AMUSE's motion when it is given another emotion (EmoEdit of Table 1, Fig. A.12)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache

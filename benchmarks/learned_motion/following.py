@@ -3,8 +3,6 @@
 A clip that does not depend on its speech follows another's as well as its own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final

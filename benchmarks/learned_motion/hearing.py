@@ -1,7 +1,5 @@
 """What AMUSE's speech model distinguishes in speech of test takes (Tables A.1 and A.2)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

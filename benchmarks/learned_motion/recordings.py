@@ -1,7 +1,5 @@
 """The corpus' recorded motion as clips of our body, processed like a network's motion."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Final

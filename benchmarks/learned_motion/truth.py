@@ -1,7 +1,5 @@
 """The corpus' truth about its takes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 

@@ -4,8 +4,6 @@ Prints ``name: value`` lines. It is timed in turns with the textbook's, which ta
 square root of the product of both covariances, in one process on the same samples.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from functools import partial

@@ -7,8 +7,6 @@ generator's for a few synthetic sounds, shifted in time and scaled differently f
 sounds are shifted for every segment, so that no two are equal.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import resource

@@ -5,8 +5,6 @@ and motion, and takes medians, because other work on the machine varies. Rates a
 time. Each of our processes uses one thread; the alternatives use as many as they choose.
 """
 
-from __future__ import annotations
-
 import os
 
 from renderer.jobs.making import ONE_THREAD

@@ -1,7 +1,5 @@
 """The cost of one run."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 It is given the posed mesh: skinning is not counted for it, but for us.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

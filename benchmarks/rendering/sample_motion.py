@@ -1,7 +1,5 @@
 """The motion used in all measurements."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from motion.clip import MotionClip

@@ -4,8 +4,6 @@ The clip is skinned, drawn, stored without loss and encoded, as a clip's job doe
 resident memory after a tenth of the frames and at the end; by default there are 10,000 frames.
 """
 
-from __future__ import annotations
-
 import os
 
 from renderer.jobs.making import ONE_THREAD

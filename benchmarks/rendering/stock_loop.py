@@ -6,8 +6,6 @@ by side. ``--patched`` repairs pyrender's shader cache; other fixes, without whi
 here, are always in place. Skinning is not counted. Prints one line of JSON.
 """
 
-from __future__ import annotations
-
 import ctypes
 import importlib
 import json

@@ -4,8 +4,6 @@ Prints ``name: value`` lines: processor seconds, wall-clock seconds and peak mem
 process for each protocol's table and for a study's database.
 """
 
-from __future__ import annotations
-
 import argparse
 import resource
 import subprocess

@@ -1,7 +1,5 @@
 """A study whose database holds very many answers, written in bulk."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final

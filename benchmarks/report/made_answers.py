@@ -1,7 +1,5 @@
 """Millions of random answers, as a platform's table and in a study's database."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

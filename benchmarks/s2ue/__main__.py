@@ -8,8 +8,6 @@ benchmarks.s2ue table CORPUS FOLDER`` trains the full model and the seven ablati
 corpus for the same number of steps, and measures them on windows of test takes with recorded seeds.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Whether a draw of the speaker changes face and body together."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The columns of the table, acceleration at the seams of windows, and frames per second."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path

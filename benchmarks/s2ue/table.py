@@ -1,7 +1,5 @@
 """Speech2UnifiedExpressions and its ablations on a corpus, as in the paper's Table 1."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from statistics import mean

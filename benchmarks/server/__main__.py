@@ -18,8 +18,6 @@ and take part in real time: they read, watch and answer at a human pace. In the 
 come to two server processes one after the other, as fast as they get places.
 """
 
-from __future__ import annotations
-
 import argparse
 import asyncio
 import math

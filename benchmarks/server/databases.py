@@ -1,7 +1,5 @@
 """The databases that the server is measured and strained with, at full durability."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A study to measure the server with: finished videos that are made on the spot."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final

@@ -5,8 +5,6 @@ The job is stopped and runs in turns of equal length. The ratio compares the p99
 participants' requests, turn by turn.
 """
 
-from __future__ import annotations
-
 import asyncio
 import os
 import signal

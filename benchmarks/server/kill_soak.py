@@ -5,8 +5,6 @@ must have reached its completion code, and every acknowledged answer must be in 
 and as it was sent.
 """
 
-from __future__ import annotations
-
 import asyncio
 import random
 import tempfile

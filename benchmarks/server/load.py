@@ -1,7 +1,5 @@
 """Many concurrent simulated participants, as fast as possible or at a human pace."""
 
-from __future__ import annotations
-
 import asyncio
 import random
 import time

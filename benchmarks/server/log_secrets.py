@@ -1,7 +1,5 @@
 """Secrets that must never appear in a server's log."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Final

@@ -1,7 +1,5 @@
 """Random requests that no browser sends."""
 
-from __future__ import annotations
-
 import json
 import random
 from collections.abc import Iterator, Sequence

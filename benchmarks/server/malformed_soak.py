@@ -1,7 +1,5 @@
 """Sending malformed requests to the server: none may make it fail or change anything stored."""
 
-from __future__ import annotations
-
 import asyncio
 import random
 import tempfile

@@ -6,8 +6,6 @@ p99 of the others' answers, turn by turn. To measure it alone: ``python -m
 benchmarks.server.report_flood``.
 """
 
-from __future__ import annotations
-
 import asyncio
 import json
 import multiprocessing

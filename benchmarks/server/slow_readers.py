@@ -1,7 +1,5 @@
 """Participants with very slow connections, who read a video a few bytes at a time."""
 
-from __future__ import annotations
-
 import asyncio
 import random
 import socket

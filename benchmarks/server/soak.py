@@ -5,8 +5,6 @@ study sessions, on SQLite and on PostgreSQL; then sends malformed requests. Prin
 lines, and ends with status 1 if anything fails, is lost or doubled, or is wrongly stored.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 

@@ -1,7 +1,5 @@
 """Slowdown of requests under a load, in pairs of turns without and with it."""
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """A simulated participant under load: as fast as the server lets it, or as people are."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import random

@@ -3,8 +3,6 @@
 It reads what this project's server sends: answers with a stated length.
 """
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ processor times, on which other work on the machine has little effect. Compariso
 that is not installed are skipped, with the reason.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from functools import partial

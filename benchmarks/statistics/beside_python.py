@@ -1,7 +1,5 @@
 """Bradley-Terry strengths compared with choix, and our bootstrap with a gather by index."""
 
-from __future__ import annotations
-
 import importlib.util
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The cumulative link mixed model compared with R's `ordinal::clmm`."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

@@ -5,8 +5,6 @@ papers, the rate of false positives, the coverage of the 95% interval, and the p
 Monte-Carlo error.
 """
 
-from __future__ import annotations
-
 import argparse
 import multiprocessing
 import os

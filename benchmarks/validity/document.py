@@ -1,7 +1,5 @@
 """The simulated studies' table as a document with one section per kind of study."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The simulated kinds of studies, with their sizes and spreads of opinion."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, get_args

@@ -1,7 +1,5 @@
 """Simulated studies with a known truth: preferences, ratings, votes and rankings."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Literal

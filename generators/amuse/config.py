@@ -4,8 +4,6 @@ Chhatre et al., CVPR 2024, sections 3 and 4 and appendix B. If the paper and the
 release's value is used here, and the paper's is mentioned.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

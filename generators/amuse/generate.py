@@ -1,7 +1,5 @@
 """AMUSE as a generator: speech in, a clip of the body out; parts of the speech can be swapped."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from pathlib import Path
 from typing import Final

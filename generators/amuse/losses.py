@@ -1,7 +1,5 @@
 """AMUSE's losses (Chhatre et al. 2024, section 3.3 and appendix B.4)."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from typing import Final
 

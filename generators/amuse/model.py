@@ -4,8 +4,6 @@ Chhatre et al., CVPR 2024, section 3.3 and appendix C.1, after Chen et al. 2023 
 positions are added once, at the input of a sequence, as in the released network.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import torch

@@ -4,8 +4,6 @@
 code never uses are excluded by name, and every other weight must have a place in our networks.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

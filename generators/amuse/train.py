@@ -1,7 +1,5 @@
 """Training AMUSE's motion prior and denoiser on recordings and a speech model's latents."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

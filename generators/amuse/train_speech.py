@@ -1,7 +1,5 @@
 """Training AMUSE's speech model on quadruples of recordings."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property

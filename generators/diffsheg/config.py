@@ -1,7 +1,5 @@
 """Sizes of DiffSHEG networks, and their default training."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """DiffSHEG as a generator: speech in, a clip of face and body out."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property

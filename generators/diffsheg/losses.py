@@ -1,7 +1,5 @@
 """DiffSHEG's losses: the error of the noise, and the resulting error of the motion."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final

@@ -5,8 +5,6 @@ denoiser that joins them. `Denoiser.modulate` and `Denoiser.encode_audio` do not
 motion; sampling calls them once for many evaluations, `Denoiser.forward` calls them each time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Final, cast
 

@@ -4,8 +4,6 @@
 file must have a place in our network.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

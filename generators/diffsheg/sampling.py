@@ -5,8 +5,6 @@ and passes its estimates on: two threads that seldom wait are faster than two th
 matrix product.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial

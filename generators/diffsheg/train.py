@@ -1,7 +1,5 @@
 """Training DiffSHEG on recordings."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace

@@ -6,8 +6,6 @@ bones. The remaining degree of freedom, the swivel of the elbow about the line f
 wrist (Tolani, Goswami & Badler 2000), is set by a pole: the direction in which the elbow points.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final

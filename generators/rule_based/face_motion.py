@@ -1,7 +1,5 @@
 """The face: emotional expression, brows on accents, blinks, gaze and the speaking mouth."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Final
 

@@ -1,7 +1,5 @@
 """The rule-based generator, from its parts."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from generators.interface import ClipRequest, Generator, seeded_stream

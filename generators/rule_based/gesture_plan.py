@@ -6,8 +6,6 @@ beat's apex in speech (Leonard & Cummins 2011; Loehr 2012): 30 ms before the syl
 moment, after its onset.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final

@@ -1,7 +1,5 @@
 """Motion of trunk and head: posture, sway, breathing, following the hands, nods."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Final
 

@@ -6,8 +6,6 @@ preparation flows into its stroke without a stop. Slow drift that never repeats 
 body from looking like a statue.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final

@@ -3,8 +3,6 @@
 The values are in the TOML files of this package.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass

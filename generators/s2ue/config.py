@@ -4,8 +4,6 @@ Bhattacharya et al. 2024. Its code was never released. Values that the paper doe
 of the first author's earlier Speech2AffectiveGestures ("S2AG"), or chosen here, as noted for each.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

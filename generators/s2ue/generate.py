@@ -1,7 +1,5 @@
 """Speech2UnifiedExpressions as a generator: speech in, a clip of face and upper body out."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from typing import Final

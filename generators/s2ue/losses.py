@@ -1,7 +1,5 @@
 """Losses of Speech2UnifiedExpressions (section 5, equations 16 to 19)."""
 
-from __future__ import annotations
-
 import torch
 from torch import Tensor
 from torch.nn import functional

@@ -1,7 +1,5 @@
 """Speech2UnifiedExpressions: generator, discriminator and phoneme predictor (section 3.3)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

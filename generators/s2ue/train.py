@@ -1,7 +1,5 @@
 """Training Speech2UnifiedExpressions on recordings."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property

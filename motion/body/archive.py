@@ -1,7 +1,5 @@
 """The ``.npz`` file of a body, read without running anything in it, and its mean hands."""
 
-from __future__ import annotations
-
 import zipfile
 import zlib
 from collections.abc import Iterator

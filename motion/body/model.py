@@ -5,8 +5,6 @@ Shape, expression and pose blend shapes, then linear blend skinning, as in SMPL-
 once, because drawing videos needs no gradients.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache

@@ -9,8 +9,6 @@ only small differences to average. Decomposition into swing and twist: Dobrowols
 If a skeleton has all of a forearm's twist in the elbow or in the wrist, the two share it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Normals and colours of a body's surface, for drawing."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motion files: the study's own format and those of other tools."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final

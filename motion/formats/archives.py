@@ -3,8 +3,6 @@
 A small archive can unpack to more than memory holds, so the unpacked size is limited.
 """
 
-from __future__ import annotations
-
 import zipfile
 import zlib
 from collections.abc import Collection

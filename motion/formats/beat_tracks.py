@@ -4,8 +4,6 @@ Facial motion: ARKit blendshape weights as JSON, at 60 fps. Semantic scores of g
 tab-separated text without a header: name, start, end, duration (seconds), score, keywords.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,7 +1,5 @@
 """Reading BVH motion capture files of any skeleton."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import replace

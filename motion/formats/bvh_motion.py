@@ -3,8 +3,6 @@
 A motion clip is written as joints and their motion, without face and skin.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path

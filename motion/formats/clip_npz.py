@@ -5,8 +5,6 @@ hold ``poses`` (T, 165), ``trans``, ``betas``, ``gender``, ``mocap_frame_rate``,
 JSON object), and ``expressions`` and ``arkit`` if the clip has them.
 """
 
-from __future__ import annotations
-
 import json
 import zipfile
 from collections.abc import Mapping

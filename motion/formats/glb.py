@@ -5,8 +5,6 @@ the clip uses is a morph target. glTF has no sound: the speech is a separate fil
 names. Source: Khronos Group 2021, "glTF 2.0 Specification".
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any, Final

@@ -4,8 +4,6 @@ A joint map gives, for each SMPL-X joint name, the name of the source joint whos
 follows. SMPL-X joints that a map leaves out follow their parent.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Collection, Mapping

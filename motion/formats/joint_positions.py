@@ -1,7 +1,5 @@
 """Files of joint positions: arrays with names, or in the order of a known skeleton."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 from collections.abc import Mapping, Sequence

@@ -5,8 +5,6 @@ constant rotation for the difference of the two rest poses. Spines of any length
 case, because world rotations include those of the joints below.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise

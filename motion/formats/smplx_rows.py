@@ -4,8 +4,6 @@ TalkSHOW (Yi et al. 2023) writes ``.npy`` of shape (T, 265), Motion-X (Lin et al
 (T, 322).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Final
 

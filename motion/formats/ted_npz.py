@@ -10,8 +10,6 @@ One ``.npz`` file per clip, with one of the arrays
 and ``frame_rate`` if it is not 15.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Transcripts with word times: a TextGrid, a table, or plain text spread over the speech."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math

@@ -1,7 +1,5 @@
 """A motion clip from the points detected in a stretch of video."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 

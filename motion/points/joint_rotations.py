@@ -6,8 +6,6 @@ the way they can, the neck shares a turn of the head, the spine shares a turn of
 missing legs stand.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import Final

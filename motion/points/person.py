@@ -5,8 +5,6 @@ the head. Their average pose is equated with our body's rest pose, so that nobod
 down for a whole recording.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Final
 

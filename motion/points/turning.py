@@ -4,8 +4,6 @@ View normalisation of Speech2UnifiedExpressions (Bhattacharya et al. 2024, secti
 Umeyama 1991, "Least-squares estimation of transformation parameters between two point patterns".
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

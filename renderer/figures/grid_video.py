@@ -1,7 +1,5 @@
 """A grid: one to nine clips of one speech side by side with captions, as one video."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """An overlay: several moments or variations in one picture, from one camera."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final
 

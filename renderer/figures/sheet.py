@@ -4,8 +4,6 @@ Each cell is a small picture of a rendered video: some of its moments, a map of 
 positions, and a curve of its movement.
 """
 
-from __future__ import annotations
-
 import base64
 import io
 import json

@@ -1,7 +1,5 @@
 """A strip: rows of conditions, columns of moments and their words, over the speech's time axis."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

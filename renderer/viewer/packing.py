@@ -5,8 +5,6 @@ need only their low byte; deflate compresses the zero high bytes to almost nothi
 inflate without a library.
 """
 
-from __future__ import annotations
-
 import json
 import zlib
 from collections.abc import Mapping

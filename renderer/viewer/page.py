@@ -1,7 +1,5 @@
 """Figures that play motion in a page, their scripts and data, and a page of its own for them."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import io

@@ -1,7 +1,5 @@
 """Arguments that several subcommands share."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path

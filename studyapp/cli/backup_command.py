@@ -1,7 +1,5 @@
 """`motionjury backup` and `motionjury restore`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """`motionjury check`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """`motionjury demo`."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from shlex import quote

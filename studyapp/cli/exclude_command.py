@@ -1,7 +1,5 @@
 """`motionjury exclude` and `motionjury forget`."""
 
-from __future__ import annotations
-
 from contextlib import closing
 
 import click

@@ -1,7 +1,5 @@
 """`motionjury export`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from shlex import quote
 

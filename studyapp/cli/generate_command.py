@@ -1,7 +1,5 @@
 """`motionjury generate`, with an option for each setting of a generator, and `corpus`."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final, Literal, get_args, get_origin

@@ -1,7 +1,5 @@
 """`motionjury init`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, get_args
 

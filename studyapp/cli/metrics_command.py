@@ -1,7 +1,5 @@
 """`motionjury metrics`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Output that several commands share: progress, tables, counts."""
 
-from __future__ import annotations
-
 import os
 import sys
 import time

@@ -1,7 +1,5 @@
 """`motionjury plan` and `motionjury rehearse`."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import click

@@ -1,7 +1,5 @@
 """`motionjury recruit`."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from decimal import Decimal

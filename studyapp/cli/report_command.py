@@ -1,7 +1,5 @@
 """`motionjury report`, and the shorthand of exclusion rules."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """`motionjury researchers`."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from typing import cast
 

@@ -1,7 +1,5 @@
 """`motionjury serve`, `motionjury desk`, and `motionjury deploy` for a server."""
 
-from __future__ import annotations
-
 import os
 from contextlib import closing
 from pathlib import Path, PurePosixPath

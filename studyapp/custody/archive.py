@@ -4,8 +4,6 @@ Reading trusts nothing in it: it must hold exactly these files, each with the si
 the manifest states. Only their bytes are read, so none can be a link or another special file.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import zipfile

@@ -1,7 +1,5 @@
 """Backing up a study into one file, even while it is served, and checking backups."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re

@@ -1,7 +1,5 @@
 """The files that a public server needs to serve a study or a desk."""
 
-from __future__ import annotations
-
 import os
 import re
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Erasing all data of a participant."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Restoring a study from a backup, completely or not at all."""
 
-from __future__ import annotations
-
 import shutil
 import tempfile
 from contextlib import closing

@@ -4,8 +4,6 @@ A copy is a consistent snapshot with the database's schema. It can be restored i
 PostgreSQL.
 """
 
-from __future__ import annotations
-
 import sqlite3
 from contextlib import ExitStack, closing
 from pathlib import Path

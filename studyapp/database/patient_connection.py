@@ -1,7 +1,5 @@
 """A connection to PostgreSQL that does not wait forever."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import psycopg

@@ -1,7 +1,5 @@
 """PostgreSQL: connections with timeouts, and turns for which server processes wait."""
 
-from __future__ import annotations
-
 import hashlib
 import time
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Removing deleted data from the database's files."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Callable
 from contextlib import closing

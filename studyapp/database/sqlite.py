@@ -1,7 +1,5 @@
 """SQLite: its files, its transactions, and a fair lock for writers, threads and processes alike."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import sqlite3

@@ -9,8 +9,6 @@ the server, and a changed file begins anew. Nothing here is opened or trusted: `
 reads the files, and refuses what it cannot use.
 """
 
-from __future__ import annotations
-
 import fcntl
 import os
 import re

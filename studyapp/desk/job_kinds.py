@@ -1,7 +1,5 @@
 """The kinds of jobs that the desk runs: the command of each, and the files it makes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final

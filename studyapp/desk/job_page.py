@@ -1,7 +1,5 @@
 """Running jobs of a study at the desk, watching them, and downloading their files."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, Final
 

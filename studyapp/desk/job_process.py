@@ -4,8 +4,6 @@
 the inherited lock, which the command inherits too: the study is busy as long as either lives.
 """
 
-from __future__ import annotations
-
 import ctypes
 import os
 import shutil

@@ -6,8 +6,6 @@ they end; everything else is in the folder ``jobs/<kind>``, which keeps the last
 So every process of the server, and a server that is restarted, sees the same.
 """
 
-from __future__ import annotations
-
 import fcntl
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Making a study by two pages of questions."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Mapping
 from contextlib import closing

@@ -1,7 +1,5 @@
 """The clips of a study: a table of all segments and conditions, and a page for each segment."""
 
-from __future__ import annotations
-
 import json
 from collections import defaultdict
 from collections.abc import Mapping, Sequence

@@ -5,8 +5,6 @@ at the desk made the study, or used a link that an owner of the study made; or, 
 the study, by an owner of the desk.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 from typing import Final
 

@@ -1,7 +1,5 @@
 """What the desk's pages are made of: templates and wording."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from typing import Any, Final

@@ -3,8 +3,6 @@
 The views here list the studies, show one, and lead into it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Final, cast

@@ -1,7 +1,5 @@
 """Reading and editing a study file in the browser."""
 
-from __future__ import annotations
-
 import difflib
 import re
 from collections.abc import Iterator

@@ -5,8 +5,6 @@ a webhook, outside all requests. An alarm that cannot be sent is removed again, 
 Passwords, and addresses that let somebody write there, come from the environment.
 """
 
-from __future__ import annotations
-
 import logging
 import os
 import smtplib

@@ -1,7 +1,5 @@
 """Answered trials: counts by emotion and arm, and durations."""
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

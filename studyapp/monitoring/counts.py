@@ -1,7 +1,5 @@
 """Counts of places, a forecast of the end, and who left where."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Catch trials and attention checks tell who failed them, and which of them careful raters fail.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The overview of a running study, from one state of its database, and what needs a decision."""
 
-from __future__ import annotations
-
 import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence

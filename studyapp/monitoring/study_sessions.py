@@ -1,7 +1,5 @@
 """The standing of every study session, by one statement and a few rules; and lists of them."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace

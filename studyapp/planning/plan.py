@@ -1,7 +1,5 @@
 """`motionjury plan`: how large a study must be."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final
 

@@ -1,7 +1,5 @@
 """The trials and tests of a study file, for other numbers of participants and segments."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -5,8 +5,6 @@ positions of the joints or in how jerkily they move. Ordinary pairs of the same 
 yardstick.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from itertools import combinations
 from statistics import median

@@ -1,7 +1,5 @@
 """All checks of a study before its launch."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from typing import Final
 

@@ -1,7 +1,5 @@
 """What participants will see, who is excluded, and whether the design is balanced."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Final

@@ -1,7 +1,5 @@
 """The findings of `motionjury check`, for programs and people; `findings.toml` declares them."""
 
-from __future__ import annotations
-
 import shutil
 import textwrap
 import tomllib

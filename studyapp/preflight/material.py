@@ -1,7 +1,5 @@
 """The input of all checks: a study's settings, segments and videos, read once."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property

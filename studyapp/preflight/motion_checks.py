@@ -1,7 +1,5 @@
 """Whether the motion can be read, is shown completely, and does not tell conditions apart."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What recruiting sites need, what participants are told, and what they are paid."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final, get_args

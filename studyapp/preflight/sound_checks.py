@@ -1,7 +1,5 @@
 """Whether videos are silent, or differ in loudness."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How long a study takes, and whether participants are told so."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

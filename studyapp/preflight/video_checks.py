@@ -4,8 +4,6 @@ Finished videos are what the researcher supplies; participants are shown copies 
 rendered.
 """
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress

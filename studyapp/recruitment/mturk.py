@@ -4,8 +4,6 @@ The sandbox is the default. boto3 finds the keys in the environment or in its ow
 pass through here.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager

@@ -4,8 +4,6 @@ The payment rule is in the study file, and separate from exclusion from the anal
 trials never cost pay.
 """
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import closing

@@ -5,8 +5,6 @@ Requests that may be repeated are sent again when Prolific is busy or fails. Mak
 be repeated, unless Prolific says that it did nothing.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import time

@@ -3,8 +3,6 @@
 The record of what was made there is kept beside the study, in ``recruitment.json``.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

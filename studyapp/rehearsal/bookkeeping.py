@@ -1,7 +1,5 @@
 """What simulated participants experienced, compared with what the database stored."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """The eyes and ears of simulated raters: pages are blinded, so their content is looked up."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from sqlalchemy import func, select

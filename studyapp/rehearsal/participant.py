@@ -1,7 +1,5 @@
 """A simulated participant and its browser, which take the served study page by page."""
 
-from __future__ import annotations
-
 import ssl
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass

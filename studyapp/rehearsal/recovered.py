@@ -1,7 +1,5 @@
 """What the analysis of a rehearsal recovers of true values, and of each kind of rater."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The results of a rehearsal: in sentences, and all of them on a short page."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final

@@ -1,7 +1,5 @@
 """Continuing an earlier rehearsal."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """A rehearsal: the real server, and simulated participants who take its study in parallel."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack, closing

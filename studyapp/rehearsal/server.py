@@ -1,7 +1,5 @@
 """The study's real server, run for a rehearsal on a local port."""
 
-from __future__ import annotations
-
 import os
 import secrets
 import signal

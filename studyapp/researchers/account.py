@@ -1,7 +1,5 @@
 """Researchers' accounts, roles and rights. The table of rights alone decides who may do what."""
 
-from __future__ import annotations
-
 import hashlib
 import unicodedata
 from collections.abc import Mapping

@@ -4,8 +4,6 @@ Lines are only ever added. Stopping, extending or changing a study after a look 
 effects. So every look is stored with the state of the study, and reports list them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime

@@ -6,8 +6,6 @@ and by address and name, so that strangers elsewhere lock nobody out. They are c
 password is compared, so that simultaneous attempts get no further than successive ones.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import hmac

@@ -4,8 +4,6 @@ It only affects the analysis: participants continue, keep their places and are p
 overrule exclusion rules.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from datetime import datetime
 from typing import Final

@@ -5,8 +5,6 @@ separate process with low priority and limits computes the figures. They are sto
 database, as any server process on any host may ask for them, and may end meanwhile.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime, timedelta

@@ -3,8 +3,6 @@
 A link works once, until it expires; only its hash is stored.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any, Final, Literal

@@ -1,7 +1,5 @@
 """Logging in with name and password, and the logins that follow, which are kept on the server."""
 
-from __future__ import annotations
-
 from datetime import datetime, timedelta
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Pseudonyms of participants in exports, which nobody can reverse without the key."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import hmac

@@ -3,8 +3,6 @@
 They are read from a database, or from the file that replaces it in a study from another lab.
 """
 
-from __future__ import annotations
-
 import gzip
 import zlib
 from collections.abc import Iterator

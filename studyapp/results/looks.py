@@ -1,7 +1,5 @@
 """Looks at results: the log of looks, and interim results for researchers' pages."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence

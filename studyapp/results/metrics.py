@@ -1,7 +1,5 @@
 """Automatic metrics of a study, or of folders of motion files."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The report of a study."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The subject of a study's report: texts, metrics and stills."""
 
-from __future__ import annotations
-
 import base64
 import io
 from collections.abc import Mapping, Sequence

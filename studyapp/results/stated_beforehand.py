@@ -1,7 +1,5 @@
 """What a study stated before its first participant arrived, and what changed since."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from sqlalchemy import select

@@ -1,7 +1,5 @@
 """Answering a trial: all its questions at once, in one transaction."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Final, cast
 

@@ -4,8 +4,6 @@ An exclusion at the end only decides about the place. Withdrawal releases the pl
 keeps the answers as the study promised.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ who got a place, for an hour, and without their names. Newcomers with a personal
 Prolific has signed, are not counted.
 """
 
-from __future__ import annotations
-
 import threading
 from collections import defaultdict
 from collections.abc import Mapping

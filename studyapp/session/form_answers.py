@@ -9,8 +9,6 @@ code is shown only once it is stored: nobody can get it, go back and change thei
 Everybody else is only counted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from datetime import datetime
 from typing import Final

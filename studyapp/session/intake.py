@@ -3,8 +3,6 @@
 Participants who have a place keep it in any case.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Final, Literal, get_args
 

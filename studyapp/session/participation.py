@@ -4,8 +4,6 @@ In the sound check, participants type a few spoken digits before anything else; 
 Breaks are offered between trials, and end when the participant is ready.
 """
 
-from __future__ import annotations
-
 import re
 import secrets
 import unicodedata

@@ -1,7 +1,5 @@
 """Places: taking, releasing and regaining them. No place is ever held by two study sessions."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping
 from datetime import datetime, timedelta

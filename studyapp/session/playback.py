@@ -5,8 +5,6 @@ and reads one row for each video of the page. The rules are those of `studyapp.s
 SQL; the same tests check both.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 from datetime import datetime

@@ -1,7 +1,5 @@
 """Refused requests of participants, and their messages."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Mapping
 from typing import Final

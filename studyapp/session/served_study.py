@@ -1,7 +1,5 @@
 """A served study: its definition, segments and videos."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -4,8 +4,6 @@ Related rows are loaded in few statements, as each costs a round trip. Relations
 load themselves; that is slower, not wrong.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from functools import cache

@@ -1,7 +1,5 @@
 """A participant's trials: their rows, what their pages may know, and the time left in the study."""
 
-from __future__ import annotations
-
 import math
 import secrets
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Versions of a study: its design cannot change during data collection except on request."""
 
-from __future__ import annotations
-
 from datetime import datetime
 
 from sqlalchemy import delete, func, not_, select, tuple_, update

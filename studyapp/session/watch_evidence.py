@@ -4,8 +4,6 @@ A report is about one stretch of uniform playback. It counts as watched if it wa
 speed, in view, and audible if the video has sound; and only if the server has sent the video.
 """
 
-from __future__ import annotations
-
 import math
 import zlib
 from collections.abc import Iterable, Sequence

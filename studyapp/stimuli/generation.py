@@ -1,7 +1,5 @@
 """Generating the motion of a study's conditions, or of speech files without a study."""
 
-from __future__ import annotations
-
 import zlib
 from collections import Counter
 from collections.abc import Callable, Sequence

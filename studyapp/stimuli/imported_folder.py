@@ -4,8 +4,6 @@ Files in the folder itself belong to the given condition; files in a sub-folder 
 condition of its name.
 """
 
-from __future__ import annotations
-
 import filecmp
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence

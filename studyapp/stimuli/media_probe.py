@@ -1,7 +1,5 @@
 """Flaws and encoding of a video, found by opening it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass

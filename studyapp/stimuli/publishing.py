@@ -5,8 +5,6 @@ in the store, with another name and other bytes behind its end, since stores sen
 object to browsers. Copies are uploaded in random order, so their age reveals nothing.
 """
 
-from __future__ import annotations
-
 import secrets
 from collections import Counter
 from collections.abc import Callable, Mapping

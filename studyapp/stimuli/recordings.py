@@ -1,7 +1,5 @@
 """Importing speech and motion into a study."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The videos of a study, and what each file depends on."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The record of rendered videos in `stimuli.json`, kept up to date during rendering."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Collection
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Rendering a study: a video per clip, and the pairs that participants see."""
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace

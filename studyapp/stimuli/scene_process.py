@@ -5,8 +5,6 @@
 that is heard, or empty for silence. The output contains labels, but no conditions.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Callable, Sequence

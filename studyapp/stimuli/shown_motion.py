@@ -1,7 +1,5 @@
 """The motion that a study shows, and the body that performs it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Final

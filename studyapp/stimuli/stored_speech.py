@@ -3,8 +3,6 @@
 A take may have companion files of the name of its motion: a transcript, and semantic scores.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Recordings of a study or of a folder, to train feature networks on."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ contain sound that should not be heard. Copies keep the encoded picture and are 
 else. Originals are never changed.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

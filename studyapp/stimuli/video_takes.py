@@ -1,7 +1,5 @@
 """Takes for training, from an ordinary video of a speaker."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

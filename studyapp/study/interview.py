@@ -1,7 +1,5 @@
 """The questions that a new study needs answered (`interview.toml`), and how answers are read."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Mapping

@@ -3,8 +3,6 @@
 Participants see copies of finished videos from other tools, so the original files stay untouched.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Creating and changing `study.toml` with its comments."""
 
-from __future__ import annotations
-
 import hashlib
 import tomllib
 from collections.abc import Mapping

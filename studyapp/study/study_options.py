@@ -1,7 +1,5 @@
 """The options of a new study: its conditions, and the template variables that follow from them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

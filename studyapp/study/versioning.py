@@ -1,7 +1,5 @@
 """Which keys of a study may change while it runs, and a digest of those that may not."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Mapping, Sequence

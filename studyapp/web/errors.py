@@ -1,7 +1,5 @@
 """Error pages: what happened, what to do, and that nothing is lost."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from flask import Flask, abort, jsonify, render_template, request, url_for

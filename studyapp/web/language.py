@@ -4,8 +4,6 @@ The English texts are in the code that uses them. Their translations are
 ``catalogues/<language>/LC_MESSAGES/messages.po``, compiled in memory when the application starts.
 """
 
-from __future__ import annotations
-
 import gettext as gettext_files
 import io
 from collections.abc import Mapping, Sequence

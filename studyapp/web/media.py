@@ -1,7 +1,5 @@
 """The videos, under random names."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import IO, Final, cast
 from urllib.parse import quote

@@ -3,8 +3,6 @@
 The headers keep a page's address, content and origin to itself.
 """
 
-from __future__ import annotations
-
 import math
 import threading
 import time

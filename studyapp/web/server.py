@@ -1,7 +1,5 @@
 """Serving a study to participants through gunicorn."""
 
-from __future__ import annotations
-
 import gc
 import logging
 import resource

@@ -1,7 +1,5 @@
 """What every request needs: the study, its database and clock, and the client's address."""
 
-from __future__ import annotations
-
 import hashlib
 import ipaddress
 import os

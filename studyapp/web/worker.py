@@ -1,7 +1,5 @@
 """gunicorn's worker: no thread waits for a connection, and its log quotes no request."""
 
-from __future__ import annotations
-
 import os
 import re
 import selectors

@@ -1,7 +1,5 @@
 """Data with expected results, if available."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A real browser, and the real server it asks."""
 
-from __future__ import annotations
-
 import re
 import signal
 import subprocess

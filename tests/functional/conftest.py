@@ -1,7 +1,5 @@
 """Fixtures of browser tests, for modules with a fixture `study`."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator
 from pathlib import Path

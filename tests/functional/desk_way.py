@@ -3,8 +3,6 @@
 Tests walk it; `tools.desk_way` takes a picture at each of its stops, for docs/desk-way.md.
 """
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Iterator

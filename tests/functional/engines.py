@@ -4,8 +4,6 @@ Both take the commands of WebDriver: WebKit's driver over HTTP, Firefox by its M
 (JSON with its length before it), since Debian has no geckodriver.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import os

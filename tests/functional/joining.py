@@ -1,7 +1,5 @@
 """How a researcher joins in a real browser."""
 
-from __future__ import annotations
-
 from playwright.sync_api import Page
 
 from studyapp.clock import Clock

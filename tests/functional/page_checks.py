@@ -1,7 +1,5 @@
 """Checks of a page: in every size, light and dark, and with axe-core."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """A study's real server behind a real proxy, both set up by the files that a server gets."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import shutil

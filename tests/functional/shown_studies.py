@@ -1,7 +1,5 @@
 """Studies in which every page for participants occurs."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a participant does on the pages of a study, in a real browser."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager

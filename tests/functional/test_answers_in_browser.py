@@ -1,7 +1,5 @@
 """Videos put in order by clicks, dragging, keys and menus, and sliders without a preset."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import ExitStack
 

@@ -1,7 +1,5 @@
 """A study session through the proxies, as `motionjury deploy` sets them up."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -5,8 +5,6 @@ what is hidden of them: their kinds, their conditions, and the sides of these. E
 must stay the same, byte for byte, except the pictures and the sound themselves.
 """
 
-from __future__ import annotations
-
 import random
 import shutil
 from base64 import urlsafe_b64encode

@@ -3,8 +3,6 @@
 With ``SCREENSHOTS=folder`` in the environment each page is also taken in every size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 ``make engines`` runs these tests alone and keeps a screenshot of each page.
 """
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator
 from pathlib import Path

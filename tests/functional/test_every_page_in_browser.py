@@ -6,8 +6,6 @@ and sound are not counted.
 With ``SCREENSHOTS=folder`` in the environment each page is also taken in every size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime

@@ -1,7 +1,5 @@
 """A participant's browser loads the videos from a store, under the pages' strict policy."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A participant in a real browser on the real server: what counts as watched, and what is kept."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Protocols with separate players, from consent to completion code, in a real browser."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 With ``SCREENSHOTS=folder`` in the environment each page is also taken in every size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path

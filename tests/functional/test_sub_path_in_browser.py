@@ -1,7 +1,5 @@
 """A whole study session below a path, in another site's frame, with no storage."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import parse_qs

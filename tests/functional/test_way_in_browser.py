@@ -1,7 +1,5 @@
 """Everything around a study's trials in a real browser, and one participant in two windows."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Speech of known rhythm, and a small study of clips."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Weights drawn by their names, with which networks computed the reference outputs."""
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path

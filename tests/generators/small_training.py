@@ -1,7 +1,5 @@
 """Trainings of small networks on takes with given features."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The contract of every registered generator."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

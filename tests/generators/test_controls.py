@@ -1,7 +1,5 @@
 """The control generators: static, mismatched and broken."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

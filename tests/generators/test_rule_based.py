@@ -1,7 +1,5 @@
 """Rule-based motion: in time with the voice, in an emotion's manner, alive; and its parts."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The default body, which several tests of motion use."""
 
-from __future__ import annotations
-
 import pytest
 
 from motion.body.model import BodyModel, read_body

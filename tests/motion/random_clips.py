@@ -1,7 +1,5 @@
 """Motion clips for tests."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Messages about unusable input."""
 
-from __future__ import annotations
-
 import pytest
 
 from motion.errors import InputError

@@ -1,7 +1,5 @@
 """Prosody against sounds whose energy, pitch, accents and pauses are known."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the renderer's tests share: the default body, a clip, its speech."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

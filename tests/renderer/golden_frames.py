@@ -2,8 +2,6 @@
 update the pictures after an intended change.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

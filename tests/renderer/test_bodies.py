@@ -1,7 +1,5 @@
 """Properties of every avatar's body."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What MP4 files hold: no bit rates, equal sizes, and copies of their picture."""
 
-from __future__ import annotations
-
 import tempfile
 from fractions import Fraction
 from itertools import product

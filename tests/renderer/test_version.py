@@ -3,8 +3,6 @@
 After an intended change, raise the version in `renderer.look` and update the numbers here.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 from io import BytesIO

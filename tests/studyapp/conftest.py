@@ -1,7 +1,5 @@
 """What the tests of the study app share."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """What Amazon's client raises becomes words, for a store of videos and for Mechanical Turk."""
 
-from __future__ import annotations
-
 import pytest
 from botocore.exceptions import ClientError, NoCredentialsError
 

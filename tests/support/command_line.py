@@ -1,7 +1,5 @@
 """Running `motionjury` in the process of a test."""
 
-from __future__ import annotations
-
 import pytest
 from click.testing import CliRunner, Result
 

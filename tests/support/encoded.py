@@ -1,7 +1,5 @@
 """Videos as other tools write them, with metadata, and what videos show."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction

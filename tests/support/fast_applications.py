@@ -1,7 +1,5 @@
 """Applications of tests, which start quickly and do not wait for the disk."""
 
-from __future__ import annotations
-
 import os
 import sqlite3
 import tempfile

@@ -1,7 +1,5 @@
 """A few numbers that change with any of the values they are of."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Connections that a server is left hanging on: endless requests and unread responses."""
 
-from __future__ import annotations
-
 import socket
 import ssl
 import threading

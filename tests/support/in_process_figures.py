@@ -1,7 +1,5 @@
 """Figures that a test computes in this process, on demand."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

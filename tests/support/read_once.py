@@ -1,7 +1,5 @@
 """Reading one state of a database with what reads from an open session."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, TypeVar
 

@@ -1,7 +1,5 @@
 """Researchers for tests, who joined by links."""
 
-from __future__ import annotations
-
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.researchers.account import Role

@@ -1,7 +1,5 @@
 """Trainings of a few steps without drawing curves."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Tones, noise, and whether there is a voice."""
 
-from __future__ import annotations
-
 import shutil
 
 import numpy as np

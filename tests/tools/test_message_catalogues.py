@@ -1,7 +1,5 @@
 """Every text for participants is translated into every language."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

@@ -4,8 +4,6 @@ As a program, for each training: the run folder, a JSON object of changed settin
 after which to stop.
 """
 
-from __future__ import annotations
-
 import atexit
 import json
 import os

@@ -1,7 +1,5 @@
 """Takes by name, and takes whose features are given as arrays."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path

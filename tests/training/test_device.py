@@ -1,7 +1,5 @@
 """Two computations that share torch's threads."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from threading import Barrier, get_ident
 

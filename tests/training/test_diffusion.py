@@ -1,7 +1,5 @@
 """The diffusion schedule against its definition."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Networks' features, computed from files as in the data sets."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

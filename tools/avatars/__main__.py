@@ -5,8 +5,6 @@ An avatar needs an entry in `renderer.look.AVATARS` before its body can be made.
 A changed body changes videos: raise `renderer.look.RENDERER_VERSION` with it.
 """
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np

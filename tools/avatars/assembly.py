@@ -1,7 +1,5 @@
 """All pieces of one avatar as a body in SMPL-X's file layout."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """Buttons, sewn onto cloth."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final
 

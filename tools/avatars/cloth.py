@@ -3,8 +3,6 @@
 The tights follow the body without its details, so that none shows through.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final

@@ -1,7 +1,5 @@
 """The colour of each vertex: its material's, darkened where little light reaches it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Final
 

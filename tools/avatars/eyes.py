@@ -1,7 +1,5 @@
 """Eyeballs with clean rings, turned by the eye joints and ARKit's looks; lashes and brows."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

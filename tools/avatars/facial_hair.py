@@ -1,7 +1,5 @@
 """Eyebrows, raised a little from the forehead, and a short full beard that fades into the skin."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Glasses: two rims without lenses, so that the eyes show, a bridge, and temples to the ears."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

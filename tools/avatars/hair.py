@@ -1,7 +1,5 @@
 """Hair that lies on the scalp above the hairline, lifted and combed, and a bun at its back."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """Hands and bare arms."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Head and neck: skin with lips, and the inside of the mouth."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Neutral figures in a close-fitting suit of one colour, without and with a face."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 

@@ -1,7 +1,5 @@
 """The upper edge of cloth at the neck."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

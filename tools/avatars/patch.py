@@ -5,8 +5,6 @@ source vertices, and the values of the source (positions, skin weights, facial a
 one matrix product.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Self
 

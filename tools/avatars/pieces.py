@@ -1,7 +1,5 @@
 """Pieces of an avatar's surface, in Anny's stance."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final

@@ -1,7 +1,5 @@
 """The look of each avatar as data, from which `tools.avatars.assembly` builds its body."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType

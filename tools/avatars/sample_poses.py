@@ -1,7 +1,5 @@
 """A dozen poses and faces for checking how every avatar looks."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType

@@ -4,8 +4,6 @@
 and ``everyone.png`` with all of them at rest.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping
 from dataclasses import replace

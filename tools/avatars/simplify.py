@@ -6,8 +6,6 @@ with its mouth open, a bent finger. Vertices are only moved onto neighbours, so 
 ones are vertices of the source, with their skin weights and facial actions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final
 

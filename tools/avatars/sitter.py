@@ -3,8 +3,6 @@
 MakeHuman's masks mark the lips, nails, ears and the inside of the mouth.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property

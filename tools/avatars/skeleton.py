@@ -3,8 +3,6 @@
 It has no skin and no face; a nose shows its direction.
 """
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

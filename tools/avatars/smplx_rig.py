@@ -7,8 +7,6 @@ derived from that stance by inverting linear blend skinning, so that a speaker w
 looks as modelled.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from typing import Final

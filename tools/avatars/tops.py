@@ -1,7 +1,5 @@
 """Garments worn above the trousers, by name."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

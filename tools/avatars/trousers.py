@@ -1,7 +1,5 @@
 """Trousers and shoes."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

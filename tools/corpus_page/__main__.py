@@ -3,8 +3,6 @@
 Prints the tables of docs/corpus.md, or puts them between the marks in FILE.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """Measurements of a corpus' files: its size, how motion follows speech, how fast hands move."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -4,8 +4,6 @@ The table in `docs/check.md` comes from `studyapp/preflight/findings.toml`; the 
 what `motionjury check --record` writes.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Final

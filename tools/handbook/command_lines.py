@@ -1,7 +1,5 @@
 """The calls of ``motionjury`` on a page, and a check that the program accepts them."""
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Iterator
 

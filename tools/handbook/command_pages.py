@@ -7,8 +7,6 @@ tests do not accept.
 ``make pages`` brings all pages up to date.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path

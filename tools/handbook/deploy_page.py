@@ -5,8 +5,6 @@ After its language, a block names the file and its deployment.
 ``make pages`` brings the page up to date.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType

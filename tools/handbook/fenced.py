@@ -1,7 +1,5 @@
 """The fenced blocks of a Markdown page that are run, changed or filled."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from typing import Final

@@ -5,8 +5,6 @@ examples of ``docs/commands`` in the same FOLDER. Repeated runs print the same o
 page changes only if the program did.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

@@ -8,8 +8,6 @@
   removes the section ``conditions.ours`` first.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import signal

@@ -4,8 +4,6 @@ Everything is in one folder. An interrupted run resumes, and replacing a network
 that depend on it.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Running commands in order, each once, and recording their times."""
 
-from __future__ import annotations
-
 import json
 import resource
 import subprocess

@@ -1,7 +1,5 @@
 """The networks of the three systems and the feature networks of metrics, given or trained."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Selection of a corpus' takes for the study, the strips of frames and the feature networks."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Final

@@ -1,7 +1,5 @@
 """The published numbers of AMUSE's perceptual study (Chhatre et al. 2024)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

@@ -3,8 +3,6 @@
 ``python -m tools.worked_examples.page FILE`` writes them.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any, Final

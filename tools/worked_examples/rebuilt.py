@@ -1,7 +1,5 @@
 """Counts reconstructed from printed percentages (AMUSE's Table A.5), and their tests."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Final

@@ -1,7 +1,5 @@
 """The published percentages of S2UE's user study (Bhattacharya et al. 2024, section 7)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

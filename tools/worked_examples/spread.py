@@ -9,8 +9,6 @@ item, and a logistic one for each answer, with a middle zone that is answered 'n
 and zone reproduce the printed wins and losses for every spread. Everybody answers about every item.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Final

@@ -5,8 +5,6 @@ strokes of a hand, each of the shape `stroke_shape`, add up over time. They push
 arm in the speaker's own direction.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final

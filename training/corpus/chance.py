@@ -13,8 +13,6 @@ blinks
     A Poisson process, one per four seconds on average.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

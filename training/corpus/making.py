@@ -3,8 +3,6 @@
 A take is its speech, its motion, and the truth about both.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import tempfile

@@ -22,8 +22,6 @@ Recordings are named as in BEAT, ``{number}_{name}_0_{start}_{end}``: start and 
 texts, and each emotion has its own. No two recordings of a speaker have the same pair.
 """
 
-from __future__ import annotations
-
 import json
 import zlib
 from collections.abc import Iterator, Mapping, Sequence

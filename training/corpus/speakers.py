@@ -3,8 +3,6 @@
 Their motion in each emotion is defined in ``emotions.toml``.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field

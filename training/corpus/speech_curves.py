@@ -21,8 +21,6 @@ stroke
     times the excess of the peak's loudness over 0.35: about 1 for a loud syllable.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

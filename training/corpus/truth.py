@@ -4,8 +4,6 @@ They can be computed from any motion in BEAT's format, so that
 a network's motion can be compared with the process.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

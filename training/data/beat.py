@@ -5,8 +5,6 @@ the type of recording (even: monologue; odd: conversation; 0 and 1: English), an
 text that is spoken.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from typing import Final, Self

@@ -1,7 +1,5 @@
 """Features of many takes, computed once and cached on disk."""
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import json

@@ -9,8 +9,6 @@ otherwise a folder names the speaker. Clips as plain arrays are those of TED Ges
 pickles and databases of pickles are never opened, because unpickling them runs code.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath

@@ -1,7 +1,5 @@
 """The files of a folder of recordings, and the takes found in it before they are split."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re

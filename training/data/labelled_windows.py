@@ -4,8 +4,6 @@ A quadruple separates the content of speech from its style (Chhatre et al. 2024,
 texts, each spoken by two speakers, all in one emotion.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Windows of one recording resemble each other, so a recording is held out as a whole.
 """
 
-from __future__ import annotations
-
 import csv
 import hashlib
 from collections import Counter

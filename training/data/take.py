@@ -1,7 +1,5 @@
 """A take: one recording of speech and motion together, and the features computed from it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Windows of takes: the same stretch of time of all features of a take."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

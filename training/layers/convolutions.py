@@ -3,8 +3,6 @@
 Bhattacharya et al. 2024, section 3.3.2.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final
 

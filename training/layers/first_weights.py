@@ -4,8 +4,6 @@ Linear layers can start from the principal components of their input. Attention,
 positions, can start from neighbours in time.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final, NamedTuple
 

@@ -1,7 +1,5 @@
 """Values between the rows of a tensor."""
 
-from __future__ import annotations
-
 from torch import Tensor
 
 

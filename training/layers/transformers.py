@@ -5,8 +5,6 @@ give the same results up to rounding. torch multiplies matrices with MKL, which 
 are not Intel's. oneDNN, a part of torch, is fast on all of them, and lays out weights only once.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, Final
 

@@ -4,8 +4,6 @@ Examples and randomness are a function of the seed and the step, so nothing need
 resume from any step. One or several processes may compute a step in parts.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

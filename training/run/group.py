@@ -4,8 +4,6 @@ torchrun or ``accelerate launch`` starts them with the same command; see `traini
 single process is a group of one.
 """
 
-from __future__ import annotations
-
 import atexit
 from collections.abc import Iterable, Mapping
 from datetime import timedelta

@@ -5,8 +5,6 @@ environment variables ``WORLD_SIZE``, ``RANK``, ``LOCAL_RANK`` and the address w
 meet. A process that is asked to stop finishes the current step first.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import threading

@@ -6,8 +6,6 @@ first step. Its decay after `n` steps is ``min(decay, (1 + n) / (10 + n))``: it 
 first, and reaches a decay of 0.999 after about 9,000 steps.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Generic

@@ -1,7 +1,5 @@
 """The loop that trains every network, and the saved state from which it resumes."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping

@@ -6,8 +6,6 @@ Bones have round lengths, see ``beat_skeleton.toml``; only their directions matt
 retargeted to another body anyway.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path

@@ -6,8 +6,6 @@ face, in metres. Both are seen from the front: the body relative to the directio
 face relative to the head.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 

@@ -9,8 +9,6 @@ gradients.
 DiffSHEG represents SHOW's motion: 43 joints, the jaw and 100 expressions.
 """
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Word vectors: FastText's if a researcher names them, or a stand-in without meaning."""
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field

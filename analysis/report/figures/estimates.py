@@ -1,7 +1,5 @@
 """Estimates with their intervals: next to bars of answers, as marks in rows, in matrices."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Matplotlib's constrained layout places the panels; a figure gets the height that they need.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The style of figures, and figures as files and inline SVG: real text, reproducible bytes."""
 
-from __future__ import annotations
-
 import io
 import re
 import warnings

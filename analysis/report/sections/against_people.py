@@ -1,7 +1,5 @@
 """Whether automatic metrics agree with people's preference."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

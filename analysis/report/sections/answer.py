@@ -1,7 +1,5 @@
 """The report's first sentences, its methods and its limits: the outcome of every test in words."""
 
-from __future__ import annotations
-
 import math
 import platform
 from collections import Counter

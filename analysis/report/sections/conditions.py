@@ -1,7 +1,5 @@
 """Conditions that are rated or ranked, as S2UE and DiffSHEG show them, and strengths."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final

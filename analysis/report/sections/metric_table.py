@@ -1,7 +1,5 @@
 """Tables of automatic metrics as in the papers' Table 1: conditions in rows, metrics in columns."""
 
-from __future__ import annotations
-
 import math
 import statistics
 from collections.abc import Mapping, Sequence

@@ -4,8 +4,6 @@ A direction is the paper's own: AMUSE calls the diversity nearest to recorded mo
 the greatest.
 """
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """Participants: their flow, exclusions, interim looks and diagnostics; stills of the videos."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from itertools import groupby
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """Preferences as AMUSE shows them, matrices of many conditions, and mismatched speech."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The cumulative link mixed model: fitting it, and remarks on when not to trust it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

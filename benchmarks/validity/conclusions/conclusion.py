@@ -1,7 +1,5 @@
 """A number of a simulated study's report, and the kind of study that it belongs to."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A report's decisions in studies other than rehearsals."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Conclusions about one comparison of two conditions."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Conclusions about the first two of three rated conditions."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final

@@ -1,7 +1,5 @@
 """Conclusions about the first of several conditions that are shown in pairs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final

@@ -1,7 +1,5 @@
 """Researchers' accounts, logins, actions and decisions, and the figures they see."""
 
-from __future__ import annotations
-
 from datetime import datetime
 from enum import StrEnum
 

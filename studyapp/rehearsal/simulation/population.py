@@ -1,7 +1,5 @@
 """Whom a rehearsal simulates: kinds of people, how good conditions are to them, their scales."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """A simulated rater: how it takes part, how good each motion is to it, and what it answers."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Mapping

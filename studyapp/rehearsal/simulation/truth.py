@@ -3,8 +3,6 @@
 ``rehearsal.json`` keeps it, with the simulated population.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The codebook of an export: what every column, value and question of it means."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from importlib import metadata

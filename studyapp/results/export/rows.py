@@ -4,8 +4,6 @@ They hold no token and no name. Cells stand under the headings that `columns.tom
 is read here and has no heading there, nothing is exported.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pandas as pd

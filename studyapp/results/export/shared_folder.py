@@ -1,7 +1,5 @@
 """The parts of a folder for another lab: tables in BIDS, a copy of the study, its page."""
 
-from __future__ import annotations
-
 import platform
 import shutil
 from collections.abc import Iterator, Mapping, Sequence

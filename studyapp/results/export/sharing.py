@@ -1,7 +1,5 @@
 """A study as a folder for another lab: behavioural data in BIDS, and what reproduces the report."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The tables of an export: their rows with who is left out of the analysis, and their files."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The contact sheet of a study: all videos at a glance, and pages of their motion."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The material of figures: a study's clips as participants see them, its stage, its speech."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Self

@@ -1,7 +1,5 @@
 """Previews of motion files without a study, and exports for other programs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

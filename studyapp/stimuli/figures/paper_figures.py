@@ -1,7 +1,5 @@
 """Figures of a paper: frames, strips of key words, overlaid variations, and grids of videos."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

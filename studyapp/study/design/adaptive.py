@@ -7,8 +7,6 @@ first is preferred and v the posterior variance of the difference (D-optimality;
 Verdinelli 1995, Bayesian experimental design: a review).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import combinations
 from typing import Final

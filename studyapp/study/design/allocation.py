@@ -1,7 +1,5 @@
 """The segments of each participant, the order of trials, and the sides of pairs."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace

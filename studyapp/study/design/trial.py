@@ -1,7 +1,5 @@
 """Trials: their stimuli, plans and answers, and the arms they are planned for."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, Protocol, Self, get_args

@@ -1,7 +1,5 @@
 """Protocols whose trials show several motions of one segment, one a video, in random order."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import ClassVar

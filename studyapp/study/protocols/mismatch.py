@@ -10,8 +10,6 @@ players. The task ``realism`` shows two conditions without sound. The papers lea
 - Catch trials belong to the task ``realism``; the task ``fit`` alone has none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial

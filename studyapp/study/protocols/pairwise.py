@@ -15,8 +15,6 @@ catch trials are scattered among the others. The paper leaves open:
   adjacent if there are enough other trials.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace

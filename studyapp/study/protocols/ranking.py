@@ -11,8 +11,6 @@ ranked on each question, beside the real recording. The paper leaves open:
   flawed motion is ranked behind the good one on every question.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from typing import ClassVar, Literal
 

@@ -9,8 +9,6 @@ segment with one motion of each condition of its set, in random order. The paper
   flawed motion is rated below the ground truth on every question.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import ClassVar, Literal
 

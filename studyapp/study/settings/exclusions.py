@@ -1,7 +1,5 @@
 """`[[exclusions]]`: rules that exclude participants from the analysis."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, ClassVar, Final, Literal
 

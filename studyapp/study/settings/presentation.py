@@ -1,7 +1,5 @@
 """How a study looks to participants: texts, messages, videos, and what counts as watched."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from typing import Final, Literal, TypeAlias

@@ -1,7 +1,5 @@
 """Questions of a study: about its trials, and about the participant."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from typing import Final, Literal, Self, get_args

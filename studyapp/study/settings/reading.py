@@ -1,7 +1,5 @@
 """Reading `study.toml`: its protocol, and everything that is wrong with it."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`[recruitment]`: where participants come from, their completion codes, and their pay."""
 
-from __future__ import annotations
-
 import secrets
 from decimal import Decimal
 from typing import Final, Literal

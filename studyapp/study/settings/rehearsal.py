@@ -1,7 +1,5 @@
 """`[rehearsal]`: the simulated participants of `motionjury rehearse`, and their preferences."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Annotated, Any, Final, Self
 

@@ -4,8 +4,6 @@ Newcomers who cannot be admitted are told so on the first page they reach. Nothi
 consent, except how many were screened out, and that somebody named by a recruiter was.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal

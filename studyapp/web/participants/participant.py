@@ -1,7 +1,5 @@
 """A participant's pages: questions about them, instructions, trials, completion code."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Final
 

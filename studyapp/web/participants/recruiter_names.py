@@ -9,8 +9,6 @@ token of their study session, like the addresses of their pages, and only the en
 Nothing else needs it: in a frame of another site, or without cookies, a study works all the same.
 """
 
-from __future__ import annotations
-
 import logging
 import re
 import threading

@@ -1,7 +1,5 @@
 """The sound check: digits are read out and typed in."""
 
-from __future__ import annotations
-
 import io
 import wave
 from functools import cache

@@ -1,7 +1,5 @@
 """The pages that show a study's texts, as participants see them, before the study can be served."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from typing import Final

@@ -1,7 +1,5 @@
 """What the page of a trial shows: layout, players and questions."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal

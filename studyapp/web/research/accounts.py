@@ -1,7 +1,5 @@
 """Logging in and out, one-time links, one's own account, and for owners all accounts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import cast
 

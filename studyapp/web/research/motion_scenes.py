@@ -4,8 +4,6 @@ A process of its own packs each scene on request, because it loads what a server
 is cached, so that nothing is ever out of date.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ one. Each form carries a code that follows from the cookie, so that no other sit
 send one.
 """
 
-from __future__ import annotations
-
 import hashlib
 import hmac
 import re

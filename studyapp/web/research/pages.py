@@ -1,7 +1,5 @@
 """All pages of researchers, with the right that each needs, which one guard asks for."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from itertools import product

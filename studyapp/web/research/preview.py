@@ -4,8 +4,6 @@ The page is the participants' own. It is rendered as if the address of the previ
 a server, so that all its requests come here, and go no further.
 """
 
-from __future__ import annotations
-
 from flask import Response, abort, current_app, jsonify, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 

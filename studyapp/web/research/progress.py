@@ -1,7 +1,5 @@
 """A study's progress: its overview, its study sessions, and decisions on them and newcomers."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from flask import Response, abort, current_app, redirect, request, url_for

@@ -1,7 +1,5 @@
 """Results; before the end, behind a page that says what looking costs and asks for a reason."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from flask import abort, redirect, request, url_for

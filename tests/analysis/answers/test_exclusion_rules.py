@@ -1,8 +1,6 @@
 """Each rule removes the right participants with a reason; those who cannot be judged are kept and
 counted."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Checkpoints of published networks, of seeded weights."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Clips whose emotion is the speed and width of the arms' swing, with a moving face."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

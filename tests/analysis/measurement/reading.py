@@ -1,7 +1,5 @@
 """Scores of conditions, by name."""
 
-from __future__ import annotations
-
 from analysis.measurement.feature_scores import FeatureScores
 from analysis.metrics.scores import ConditionScore, StudyMetrics
 

@@ -1,7 +1,5 @@
 """What metrics keep is used for as long as its version is the same, which must be true."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """Plain studies of any size, for tests of planning."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from analysis.planning.part import Kind, Part, Size, Trials

@@ -1,7 +1,5 @@
 """What reports of the tests' tables are about."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from analysis.report.content import Section, Subject

@@ -1,7 +1,5 @@
 """The page in a real browser: it fits, follows light and dark, and its tables can be sorted."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

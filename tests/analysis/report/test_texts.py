@@ -1,7 +1,5 @@
 """Unknown names in templates are errors, and LaTeX always compiles."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Tables as other platforms write them, with a known truth."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Rated studies in which a metric agrees with people to a known degree."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

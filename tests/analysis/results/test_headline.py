@@ -1,7 +1,5 @@
 """Headline numbers, interim and without exclusions, equal those of a report."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

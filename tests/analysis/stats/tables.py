@@ -1,7 +1,5 @@
 """Answers in tables, and votes by names, as tests write them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import chain
 

@@ -1,7 +1,5 @@
 """Where there is no number, a statistic says why; none of them fails."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

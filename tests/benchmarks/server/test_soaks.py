@@ -1,7 +1,5 @@
 """A short run of what `make soak` does for long."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

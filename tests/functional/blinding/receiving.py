@@ -1,7 +1,5 @@
 """A participant whose browser keeps everything it receives, over a whole study session."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 from collections.abc import Iterator

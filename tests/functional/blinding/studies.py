@@ -1,7 +1,5 @@
 """A study of each protocol, whose videos would give themselves away if their files could."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final

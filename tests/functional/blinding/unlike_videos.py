@@ -1,7 +1,5 @@
 """Motion and finished videos of conditions that move very differently."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path

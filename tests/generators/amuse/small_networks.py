@@ -1,7 +1,5 @@
 """Files of small untrained AMUSE networks."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Final

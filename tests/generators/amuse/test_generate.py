@@ -1,7 +1,5 @@
 """AMUSE as a generator."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """AMUSE's networks and their losses."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Literal

@@ -1,7 +1,5 @@
 """The authors' released networks."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

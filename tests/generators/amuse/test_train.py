@@ -1,7 +1,5 @@
 """AMUSE's motion networks learn, report their data, and resume where they were stopped."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """AMUSE's speech model learns to disentangle speech."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Final

@@ -1,7 +1,5 @@
 """Takes whose filterbanks encode text, emotion and speaker in separate bands."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

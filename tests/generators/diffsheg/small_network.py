@@ -1,7 +1,5 @@
 """A small DiffSHEG network."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Final

@@ -1,7 +1,5 @@
 """From speech to a clip."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 from dataclasses import replace

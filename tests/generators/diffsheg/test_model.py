@@ -1,7 +1,5 @@
 """Properties of the network for any weights."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A network and its normalisation in one file, and the authors' in theirs."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import asdict, replace

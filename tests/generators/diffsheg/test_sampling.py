@@ -1,7 +1,5 @@
 """Motion of any length, of whole or live speech, equals that of running the whole network."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache, partial

@@ -1,7 +1,5 @@
 """DiffSHEG learns, reports its data, and resumes where it was stopped."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Small untrained networks of Speech2UnifiedExpressions."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final

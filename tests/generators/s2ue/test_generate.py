@@ -1,7 +1,5 @@
 """Motion of whole or live speech of any length is smooth and deterministic."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Networks have the paper's parts, and each ablation lacks its own."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Speech2UnifiedExpressions learns, reports its data, and resumes where it was stopped."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, replace
 from pathlib import Path
 

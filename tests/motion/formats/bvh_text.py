@@ -1,7 +1,5 @@
 """BVH files for tests: skeletons as text, with rotations of the test's choice."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

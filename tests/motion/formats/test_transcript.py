@@ -1,7 +1,5 @@
 """Transcripts are read in all formats, and refused if they belong to other speech."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Videos of a moving block, for code that reads videos without drawing any; and a sheet."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

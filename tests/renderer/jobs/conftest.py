@@ -1,7 +1,5 @@
 """Jobs for tests of local and cluster workers."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Pairs of clips, several clips each with its pair, and processes that die while working."""
 
-from __future__ import annotations
-
 import os
 import signal
 import threading

@@ -1,7 +1,5 @@
 """`motionjury check` for people and for programs."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Exclusions by hand, and their effect on reports and exports."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

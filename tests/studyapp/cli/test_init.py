@@ -1,7 +1,5 @@
 """New studies from options."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import get_args
 

@@ -1,7 +1,5 @@
 """`motionjury recruit`, with a server that stands in for Prolific."""
 
-from __future__ import annotations
-
 import csv
 import shutil
 import tomllib

@@ -1,7 +1,5 @@
 """Command lines that cannot be done: one sentence each, before anything is written or sent."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 

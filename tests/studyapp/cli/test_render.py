@@ -1,7 +1,5 @@
 """`motionjury render`, `motionjury preview` and `motionjury publish-media`."""
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path

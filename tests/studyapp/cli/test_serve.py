@@ -1,7 +1,5 @@
 """`motionjury serve` and `motionjury deploy`: links, and the files of a server."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

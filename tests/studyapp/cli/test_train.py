@@ -1,7 +1,5 @@
 """`motionjury train`: networks for metrics, and for `motionjury generate`."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Backups are read without trust."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import tracemalloc

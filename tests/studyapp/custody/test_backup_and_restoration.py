@@ -1,7 +1,5 @@
 """Studies are restored from backups completely, or not at all."""
 
-from __future__ import annotations
-
 import shutil
 import stat
 from concurrent.futures import ThreadPoolExecutor

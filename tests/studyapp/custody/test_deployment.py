@@ -1,7 +1,5 @@
 """The files of a server hold only valid values, and the programs that read them accept them."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

@@ -1,7 +1,5 @@
 """A copy of a database is complete, and can be restored to either kind."""
 
-from __future__ import annotations
-
 import sqlite3
 from contextlib import closing
 from pathlib import Path

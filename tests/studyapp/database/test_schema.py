@@ -1,7 +1,5 @@
 """The schema: its migrations, and constraints that the database itself enforces."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta, timezone
 from typing import Any

@@ -1,7 +1,5 @@
 """A desk with one study that is ready, and browsers of its researchers."""
 
-from __future__ import annotations
-
 import math
 import shutil
 from collections.abc import Callable, Iterator

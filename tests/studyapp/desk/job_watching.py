@@ -1,7 +1,5 @@
 """Jobs that really run, and waiting for them."""
 
-from __future__ import annotations
-
 import time
 from datetime import UTC, datetime
 from pathlib import Path

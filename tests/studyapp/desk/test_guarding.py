@@ -1,7 +1,5 @@
 """Every page of the desk needs a login, and every form its own origin."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import Iterator
 from pathlib import Path

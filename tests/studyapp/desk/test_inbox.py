@@ -1,7 +1,5 @@
 """Uploads resume, stay in the inbox, and leave free disk space."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Barrier

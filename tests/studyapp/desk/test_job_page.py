@@ -1,7 +1,5 @@
 """Rights to run and see jobs at the desk, and to download their results."""
 
-from __future__ import annotations
-
 import io
 from datetime import UTC, datetime
 from zipfile import ZipFile

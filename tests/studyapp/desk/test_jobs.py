@@ -1,7 +1,5 @@
 """Jobs are independent commands, and their state is reported correctly whatever happens."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

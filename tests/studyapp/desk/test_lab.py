@@ -1,7 +1,5 @@
 """What is served of a desk's studies follows their files."""
 
-from __future__ import annotations
-
 import shutil
 import sqlite3
 from contextlib import closing

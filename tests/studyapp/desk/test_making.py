@@ -1,7 +1,5 @@
 """A study made in the browser is the one that `motionjury init` makes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

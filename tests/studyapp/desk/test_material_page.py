@@ -1,7 +1,5 @@
 """The table of segments and conditions shows present, missing and bad material, and plays it."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -1,7 +1,5 @@
 """The desk admits people to a study only after they have shown that they belong to it."""
 
-from __future__ import annotations
-
 import errno
 import os
 import re

@@ -1,7 +1,5 @@
 """Messages of commands are adapted to the desk, which has no options."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A study file edited in the browser: checked as everywhere, and never written over unseen."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Researchers are alerted once of each event in their study."""
 
-from __future__ import annotations
-
 import logging
 import smtplib
 from dataclasses import dataclass, field, replace

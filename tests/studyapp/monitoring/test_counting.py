@@ -1,7 +1,5 @@
 """What is computed of study sessions without a database."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime, timedelta
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The overview of a study that people take part in, on both databases."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

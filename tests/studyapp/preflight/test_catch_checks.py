@@ -1,7 +1,5 @@
 """Invisible flaws of catch trials are found."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Findings are declared and documented, and printed for people."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

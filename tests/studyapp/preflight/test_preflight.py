@@ -1,7 +1,5 @@
 """`check` on a whole study."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterable, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Whether answers can be stored, and videos sent in byte ranges."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path

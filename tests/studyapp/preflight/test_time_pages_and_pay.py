@@ -1,7 +1,5 @@
 """Duration and pay of a study, and their statements to participants."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, get_args
 

@@ -1,7 +1,5 @@
 """Videos of participants, broken in every way that is checked."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable
 from pathlib import Path

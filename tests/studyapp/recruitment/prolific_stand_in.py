@@ -1,7 +1,5 @@
 """A server that answers as Prolific's API does, and refuses requests of another shape."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Mechanical Turk, as boto3 describes it; and what a study makes and pays there."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Who is paid: the payment rule, beside what the recruiter knows."""
 
-from __future__ import annotations
-
 import pytest
 
 from studyapp.database.engine import Database

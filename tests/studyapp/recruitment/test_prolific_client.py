@@ -1,7 +1,5 @@
 """Prolific's API over HTTP, and the draft of a study there."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Iterator
 from typing import Any

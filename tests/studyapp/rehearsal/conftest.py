@@ -1,7 +1,5 @@
 """A small study of two comparisons, and the people who rehearse it."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator
 from contextlib import closing

@@ -1,7 +1,5 @@
 """Small studies of all protocols with every kind of question: whole ways for rehearsals."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path

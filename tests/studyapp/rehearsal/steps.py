@@ -1,7 +1,5 @@
 """Simulated participants in the real application, without a server in between."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from threading import Event

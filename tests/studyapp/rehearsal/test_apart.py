@@ -1,7 +1,5 @@
 """Simulated participants and real ones never meet, whoever serves, reports, backs up or pays."""
 
-from __future__ import annotations
-
 import shutil
 import zipfile
 from collections.abc import Iterator

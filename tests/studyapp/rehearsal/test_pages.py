@@ -1,7 +1,5 @@
 """Pages are read as they were served; pages that a person could not use are reported."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import pytest

@@ -1,7 +1,5 @@
 """Whole rehearsals of every protocol, by page and by server."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import socket

@@ -1,7 +1,5 @@
 """The people of a rehearsal, and their answers to trials as every protocol plans them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """What came of a small rehearsal is found in its database, and so is what went wrong in it."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Whole small rehearsals through the real server."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

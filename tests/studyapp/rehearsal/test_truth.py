@@ -1,7 +1,5 @@
 """The true values of a rehearsal are what its raters say on average, and what analysis finds."""
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Accounts on both databases: roles and links, also when several people use them at once."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """Decisions about participants and looks at results: what is kept of them, and what they leave."""
 
-from __future__ import annotations
-
 import pytest
 from sqlalchemy import select, update
 

@@ -1,7 +1,5 @@
 """Figures are kept in the database: computed once, by one process, and no more often than said."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path

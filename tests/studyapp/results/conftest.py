@@ -1,7 +1,5 @@
 """Studies that people have answered, each made once."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace

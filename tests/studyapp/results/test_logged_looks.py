@@ -1,7 +1,5 @@
 """Reports list earlier looks at results, and are looks themselves."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import shutil

@@ -1,7 +1,5 @@
 """Whatever is read of a study's answers belongs to one moment, on both databases."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path

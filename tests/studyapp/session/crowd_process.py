@@ -1,7 +1,5 @@
 """Server processes that act on command, at the same moment."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Stored study sessions, and an independent ledger of places."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta

@@ -1,7 +1,5 @@
 """What is stored of answers, and which of them count as votes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace

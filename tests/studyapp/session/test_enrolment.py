@@ -1,7 +1,5 @@
 """Who is admitted, and who holds which place, also when many come at once."""
 
-from __future__ import annotations
-
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace

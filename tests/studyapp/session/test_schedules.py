@@ -1,7 +1,5 @@
 """Places match the ledger after any sequence of participants' actions."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import settings
 from hypothesis import strategies as st

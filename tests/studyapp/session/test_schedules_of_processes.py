@@ -1,7 +1,5 @@
 """Several server processes at once give no place twice and lose no answer."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor

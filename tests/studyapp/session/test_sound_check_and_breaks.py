@@ -1,7 +1,5 @@
 """What comes before and between the trials: the sound check, and breaks."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """A design in which people have taken part stays unchanged or becomes a new version."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Participants who withdraw or fail too many checks: their data, and their place."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

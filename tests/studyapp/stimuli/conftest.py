@@ -1,7 +1,5 @@
 """A small study whose motion is generated, made once."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

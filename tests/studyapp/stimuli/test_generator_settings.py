@@ -1,7 +1,5 @@
 """Settings of learned generators, in a study and on the command line."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A folder of speech, motion and videos is imported by the names of its files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Videos are uploaded to a store under names and in an order that reveal nothing."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

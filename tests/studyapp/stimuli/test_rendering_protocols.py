@@ -1,7 +1,5 @@
 """Each template's study, from speech to videos that can be served, and to a report."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path

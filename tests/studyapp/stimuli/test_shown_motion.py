@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from motion.segment import Segment
 from studyapp.stimuli.shown_motion import segment_scene
 from studyapp.study.folder import StudyFolder

@@ -1,7 +1,5 @@
 """Finished videos of any tool reach participants equal except in picture and sound."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import av

@@ -1,7 +1,5 @@
 """Settings that may change while a study runs, and which changes are logged."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """A made-up language that brackets each text: what stands outside is English."""
 
-from __future__ import annotations
-
 import gettext
 import re
 from collections.abc import Iterator

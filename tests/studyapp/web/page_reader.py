@@ -1,7 +1,5 @@
 """Reading a participant's page as a browser would."""
 
-from __future__ import annotations
-
 from bs4 import BeautifulSoup, Tag
 
 

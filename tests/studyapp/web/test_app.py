@@ -1,7 +1,5 @@
 """What the application does for everybody: health, protection, faults, and excess reports."""
 
-from __future__ import annotations
-
 import re
 import resource
 import signal

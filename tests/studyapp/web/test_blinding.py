@@ -1,7 +1,5 @@
 """What a participant must never be able to learn from pages, scripts and headers."""
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Callable

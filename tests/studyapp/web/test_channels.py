@@ -1,7 +1,5 @@
 """Where participants come from: admission, and the way back."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Contrast of the look's colours, light and dark (WCAG 2.2, level AA)."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

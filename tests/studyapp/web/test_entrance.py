@@ -1,7 +1,5 @@
 """The pages before enrolment: eligibility, consent, and devices that are sent away."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial

@@ -4,8 +4,6 @@ A made-up language puts brackets around each text. What stands outside them woul
 everybody.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

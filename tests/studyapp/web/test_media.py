@@ -1,7 +1,5 @@
 """Videos from this server, through a proxy, or from a store: exact bytes, and nothing revealing."""
 
-from __future__ import annotations
-
 import shutil
 import socket
 from collections.abc import Iterator

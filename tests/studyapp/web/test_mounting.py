@@ -1,7 +1,5 @@
 """A study below a path of its host: every address on every page begins with that path."""
 
-from __future__ import annotations
-
 import pytest
 
 from motion.errors import InputError

@@ -1,7 +1,5 @@
 """What a participant's pages say without scripts, and reports of watching that are none."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 

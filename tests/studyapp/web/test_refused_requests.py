@@ -1,7 +1,5 @@
 """Refusals are logged without tokens, and have no other effect."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """A name is accepted if Prolific signed it recently for this host."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from typing import Any

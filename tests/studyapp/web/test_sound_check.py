@@ -1,7 +1,5 @@
 """The sound check's page: only listening reveals the digits."""
 
-from __future__ import annotations
-
 import io
 import wave
 from itertools import combinations

@@ -1,7 +1,5 @@
 """The mark of a test whose statements must work on both databases."""
 
-from __future__ import annotations
-
 import pytest
 
 BOTH = pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)

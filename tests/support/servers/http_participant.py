@@ -1,7 +1,5 @@
 """A participant who reads and sends the pages of a real server."""
 
-from __future__ import annotations
-
 import re
 from urllib.parse import urljoin
 

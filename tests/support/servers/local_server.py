@@ -1,7 +1,5 @@
 """Servers of this machine that answer from a thread while a test runs."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """What the kernel knows about running processes."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

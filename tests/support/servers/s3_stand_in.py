@@ -4,8 +4,6 @@ their age and digests, and records requests.
 It knows one bucket, by path.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import io

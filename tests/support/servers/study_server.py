@@ -1,7 +1,5 @@
 """The study's real server as processes of its own: measured, killed and started again."""
 
-from __future__ import annotations
-
 import os
 import random
 import signal

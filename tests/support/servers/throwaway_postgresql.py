@@ -1,7 +1,5 @@
 """A private PostgreSQL server in a temporary folder, for tests, the benchmark and the soak."""
 
-from __future__ import annotations
-
 import os
 import pwd
 import secrets

@@ -1,7 +1,5 @@
 """The tiny study with a condition more, so that it has two comparisons, or with other videos."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from studyapp.study.media import read_stimuli, write_stimuli

@@ -1,7 +1,5 @@
 """Participants who answer a whole study at random, without the web server."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

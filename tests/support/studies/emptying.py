@@ -1,7 +1,5 @@
 """Taking everything out of a database but its schema."""
 
-from __future__ import annotations
-
 from studyapp.database.engine import Database
 from studyapp.database.tables.base import Base
 

@@ -1,7 +1,5 @@
 """The tables of an export, read from one state of a database."""
 
-from __future__ import annotations
-
 import pandas as pd
 from sqlalchemy.orm import Session
 

@@ -3,8 +3,6 @@
 `PROTOCOLS` is the one table: whoever needs other pages or questions changes keys of it.
 """
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Questions about participants, for studies of tests; each is a part of a study file."""
 
-from __future__ import annotations
-
 ELIGIBILITY = """
 [[form.eligibility]]
 name = "adult"

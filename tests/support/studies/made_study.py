@@ -1,7 +1,5 @@
 """Study definitions and segments for tests, without any file."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Changing a study file in a test."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The whole content of a database, to check whether anything was stored or changed."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Iterator
 from contextlib import closing, contextmanager

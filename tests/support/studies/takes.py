@@ -1,7 +1,5 @@
 """Short recordings: speech whose loudness rises and falls, and an arm that sinks."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A study of three comparisons with three short trials each, for tests of bookkeeping."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 from typing import Final

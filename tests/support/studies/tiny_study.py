@@ -1,7 +1,5 @@
 """A whole small study with really playing videos, made without generators or renderer."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """docs/deploy.md shows what `motionjury deploy` writes, and a server can do what it asks for."""
 
-from __future__ import annotations
-
 from importlib.metadata import distributions
 from typing import Any
 

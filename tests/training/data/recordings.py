@@ -1,7 +1,5 @@
 """Recordings for tests: a joint that jumps at known moments, and a click at each of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 

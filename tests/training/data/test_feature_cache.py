@@ -1,7 +1,5 @@
 """Features of takes are computed once, and only broken takes are skipped."""
 
-from __future__ import annotations
-
 import errno
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Folders of recordings, as researchers have them."""
 
-from __future__ import annotations
-
 import json
 import pickle
 import re

@@ -1,7 +1,5 @@
 """Fours of windows, two texts, each by two speakers, in one emotion; and classes of takes."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

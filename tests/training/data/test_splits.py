@@ -1,7 +1,5 @@
 """Splits of takes, and held-out recordings."""
 
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Windows of takes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

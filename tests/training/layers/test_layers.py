@@ -1,7 +1,5 @@
 """Convolutions on graphs gather from neighbours alone, and components from their own nodes."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Several processes on one machine, which exchange gradients through gloo."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from training.run.launching import group_size, is_leader

@@ -1,7 +1,5 @@
 """A training's loop: stopped anywhere it resumes to the same bytes, and so does its log."""
 
-from __future__ import annotations
-
 import json
 import signal
 import tempfile

@@ -1,7 +1,5 @@
 """Updates of a step, in parts and in passes."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Motion in networks' terms and back."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

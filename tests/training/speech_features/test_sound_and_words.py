@@ -1,7 +1,5 @@
 """Spectra of speech, HuBERT's features of it, and vectors of its words."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """An audio spectrogram transformer: its initial weights and its augmentation."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Features of live speech equal those of the whole speech."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """A researcher's accounts at a desk and in its studies can be known as one person's."""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

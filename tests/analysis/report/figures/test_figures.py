@@ -1,7 +1,5 @@
 """Figures say what they show, and no text in them is cut off or overlaps another."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import replace

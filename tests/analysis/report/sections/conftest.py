@@ -1,7 +1,5 @@
 """Results of made tables, computed once."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What figures and tables say, for tests to compare with the results."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from functools import cache

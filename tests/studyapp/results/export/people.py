@@ -1,7 +1,5 @@
 """Participants of the exported studies, and data that would identify them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pandas as pd
 
 from studyapp.results.export.rows import refusals_table, watching_table

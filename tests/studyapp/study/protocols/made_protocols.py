@@ -1,7 +1,5 @@
 """A study of every protocol, and answers that an attentive or a careless participant gives."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What each protocol's plan balances over many places, and what it leaves to chance."""
 
-from __future__ import annotations
-
 import hashlib
 from collections import Counter
 from collections.abc import Hashable, Iterable

@@ -1,7 +1,5 @@
 """What every protocol promises to the rest of the house."""
 
-from __future__ import annotations
-
 from itertools import groupby, pairwise
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Studies of several parts: ratings, rankings and mismatches."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import pytest

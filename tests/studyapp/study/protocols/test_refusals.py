@@ -1,7 +1,5 @@
 """Mismatches with a protocol and too little speech are reported."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

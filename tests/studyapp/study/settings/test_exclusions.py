@@ -1,7 +1,5 @@
 """The exclusion rules of a study file: reading, defaults, and refusal of contradictions."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """What the tests of researchers' pages share."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import pytest

@@ -1,7 +1,5 @@
 """A researcher's browser without scripts."""
 
-from __future__ import annotations
-
 from flask import Flask
 from flask.testing import FlaskClient
 from werkzeug.test import TestResponse

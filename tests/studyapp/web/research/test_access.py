@@ -1,7 +1,5 @@
 """Every page of researchers for every role and without a login, and strangers' input."""
 
-from __future__ import annotations
-
 import re
 from itertools import product
 

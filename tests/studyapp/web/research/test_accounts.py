@@ -1,7 +1,5 @@
 """Logging in and out: cookies, session fixation, redirects, and messages."""
 
-from __future__ import annotations
-
 import logging
 import re
 from dataclasses import replace

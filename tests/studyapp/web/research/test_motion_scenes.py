@@ -1,7 +1,5 @@
 """Researchers view a trial's motion in 3D, and learn nothing beyond the page before."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A preview is what a participant sees and stores nothing; a test participation takes no place."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The pages that show how a study goes, and on which researchers decide about it."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from pathlib import Path
 

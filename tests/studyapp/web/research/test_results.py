@@ -1,7 +1,5 @@
 """Results before the end: asked for with a reason, logged, and shown as interim."""
 
-from __future__ import annotations
-
 import math
 from typing import cast
 
