@@ -50,19 +50,9 @@ def facts(
 
 def attention_rows(participant: str, answers: str, asked: str) -> pd.DataFrame:
     """One attention check a pair of digits: the answer, and what is asked for."""
-    return pd.DataFrame(
-        {
-            "participant": participant,
-            "segment": "s0",
-            "question": "emotion",
-            "trial": [f"a{number}" for number in range(len(answers))],
-            "kind": "attention",
-            "left": "ours",
-            "right": "other",
-            "response": [int(answer) for answer in answers],
-            "instructed": [int(answer) for answer in asked],
-        }
-    )
+    rows = catch_rows(participant, "l" * len(answers), [int(answer) for answer in answers])
+    instructed = [int(answer) for answer in asked]
+    return rows.drop(columns="correct_side").assign(kind="attention", instructed=instructed)
 
 
 def test_any_answer_but_the_instructed_one_fails_an_attention_check_once(

@@ -10,7 +10,7 @@ from analysis.answers.table import MISMATCH, PAIRWISE, RANKING, RATING_OF_ONE, A
 from analysis.results.headline import placements_of
 from motion.errors import InputError
 from motion.files import write_frame
-from tests.analysis.results.made_tables import read_table
+from tests.analysis.results.made_tables import crossed, read_table
 
 ROW: dict[str, Any] = {
     "participant": "anna",
@@ -86,9 +86,7 @@ def test_invalid_values_of_a_column_are_refused(
     assert text.startswith(f"answers.csv, row 3, column {column}:")
 
 
-def test_empty_answers_and_unknown_columns_are_skipped_with_a_note(
-    tmp_path: Path,
-) -> None:
+def test_empty_answers_and_unknown_columns_are_skipped_with_a_note(tmp_path: Path) -> None:
     table = pairs({}, {"response": None}, {"response": "NA"}, {"response": 5, "left": "NA"})
     result = read(tmp_path, table.assign(browser="x", emotion="anger"))
     assert result.answers["value"].tolist() == [2, 5]
@@ -220,25 +218,11 @@ def test_skipped_ranks_and_repeated_rows_without_a_trial_are_noted(tmp_path: Pat
     assert read(tmp_path, twice.assign(trial=range(4))).notes == ()
 
 
-def rated(*scores: int) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "participant": [f"p{number}" for number in range(len(scores))],
-            "segment": "s1",
-            "question": "q",
-            "condition": "ours",
-            "response": scores,
-        }
-    )
-
-
-def test_an_outlying_rating_is_noted_and_one_off_the_stated_scale_refused(
-    tmp_path: Path,
-) -> None:
-    table = rated(*[1, 2, 3, 4, 5] * 8, 55)
-    assert (
-        "The highest rating, 55, was given 1 time" in read_table(table, "rating", tmp_path).notes[0]
-    )
+def test_an_outlying_rating_is_noted_and_one_off_the_stated_scale_refused(tmp_path: Path) -> None:
+    scores = [1, 2, 3, 4, 5] * 8 + [55]
+    table = crossed(41, 1, condition=["ours"]).assign(question="q", response=scores)
+    notes = read_table(table, "rating", tmp_path).notes
+    assert "The highest rating, 55, was given 1 time" in notes[0]
     with pytest.raises(InputError, match="row 42, column response: 55 is not on the scale"):
         read_table(table, "rating", tmp_path, scale=(1, 5))
     assert read_table(table[:-1], "rating", tmp_path, scale=(1, 7)).scales == {"q": (1, 7)}

@@ -1,5 +1,3 @@
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +9,6 @@ from analysis.evaluators.training import PRESETS, EvaluatorRequest, train_evalua
 from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import read_body
 from renderer.look import default_body
-from tests.analysis.evaluators.published_weights import write_checkpoint
 from tests.analysis.evaluators.swinging import sources
 from tests.support.short_training import short_training, trained_shortly
 
@@ -69,9 +66,3 @@ def reference(shared_data: Path) -> Path:
     if not folder.is_dir():
         pytest.skip("the published networks' outputs (../shared/reference/evaluators) are not here")
     return folder
-
-
-@pytest.fixture
-def checkpoint(tmp_path: Path) -> Callable[..., Path]:
-    """Return `write_checkpoint` into the test's own folder."""
-    return partial(write_checkpoint, tmp_path)

@@ -1,7 +1,7 @@
 import argparse
 import json
 import pickle
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,6 @@ from motion.errors import InputError
 from tests.analysis.evaluators.published_weights import write_checkpoint
 from tests.generators.reference_weights import reference_weights
 from tests.motion.random_clips import clip_of
-
-Checkpoint = Callable[..., Path]
 
 
 def _error(features: NDArray[Any], expected: NDArray[Any]) -> float:
@@ -74,8 +72,8 @@ def _sets(preset: str, stored: Mapping[str, NDArray[Any]]) -> tuple[NDArray[Any]
 
 
 @pytest.fixture
-def ted(checkpoint: Checkpoint) -> PublishedEvaluator:
-    return load_published("ted", checkpoint("ted"))
+def ted(tmp_path: Path) -> PublishedEvaluator:
+    return load_published("ted", write_checkpoint(tmp_path, "ted"))
 
 
 def test_data_parallel_and_plain_weights_give_the_same_network(
@@ -93,33 +91,26 @@ def test_data_parallel_and_plain_weights_give_the_same_network(
         np.testing.assert_array_equal(again.features(motion), ted.features(motion))
 
 
-def test_options_of_a_training_script_load_and_other_objects_run_no_code(
-    checkpoint: Checkpoint, tmp_path: Path
-) -> None:
+def test_options_of_a_training_script_load_and_other_objects_run_no_code(tmp_path: Path) -> None:
     class Harm:
         def __reduce__(self) -> tuple[Any, ...]:
             return (Path.touch, (tmp_path / "harm",))
 
     options = argparse.Namespace(n_poses=34, name="pose", mean_dir_vec=[0.1, 0.2])
-    path = checkpoint("ted", args=options, epoch=3, pose_dim=27)
+    path = write_checkpoint(tmp_path, "ted", args=options, epoch=3, pose_dim=27)
     assert load_published("ted", path).features(np.zeros((1, 34, 27))).shape == (1, 32)
     plain = tmp_path / "trap.bin"
     plain.write_bytes(pickle.dumps({"gen_dict": Harm()}, protocol=2))
-    for other in (
-        plain,
-        checkpoint("ted", args=Harm()),
-        checkpoint("ted", args=argparse.Namespace(share=Fraction(1, 3))),
-    ):
+    for args in (None, Harm(), argparse.Namespace(share=Fraction(1, 3))):
+        other = write_checkpoint(tmp_path, "ted", args=args) if args else plain
         with pytest.raises(InputError, match="not a file of network weights") as refused:
             load_published("ted", other)
         assert "torch.save" in str(refused.value.remedy)
     assert not (tmp_path / "harm").exists()
 
 
-def test_files_other_than_the_presets_checkpoint_are_refused(
-    checkpoint: Checkpoint, tmp_path: Path
-) -> None:
-    ted = checkpoint("ted")
+def test_files_other_than_the_presets_checkpoint_are_refused(tmp_path: Path) -> None:
+    ted = write_checkpoint(tmp_path, "ted")
     (tmp_path / "cut.bin").write_bytes(ted.read_bytes()[:5000])
     torch.save([1, 2], tmp_path / "list.bin")
     small = PRESETS["ted"].network().state_dict()
@@ -144,10 +135,8 @@ def test_motion_that_a_network_cannot_use_is_refused(ted: PublishedEvaluator) ->
             ted.features(motion)
 
 
-def test_clips_are_cut_into_the_authors_windows(
-    ted: PublishedEvaluator, checkpoint: Checkpoint
-) -> None:
-    emage = load_published("emage", checkpoint("emage"))
+def test_clips_are_cut_into_the_authors_windows(ted: PublishedEvaluator, tmp_path: Path) -> None:
+    emage = load_published("emage", write_checkpoint(tmp_path, "emage"))
     for evaluator, frames, rate, rows in (
         (ted, 41, 15.0, None),
         (ted, 42, 15.0, 1),
@@ -165,10 +154,8 @@ def test_clips_are_cut_into_the_authors_windows(
             assert evaluator.embed(clip).shape == (rows, evaluator.preset.features)
 
 
-def test_beat_clips_are_normalised_by_the_named_frames(
-    checkpoint: Checkpoint, tmp_path: Path
-) -> None:
-    path = checkpoint("beat")
+def test_beat_clips_are_normalised_by_the_named_frames(tmp_path: Path) -> None:
+    path = write_checkpoint(tmp_path, "beat")
     clip = clip_of(np.zeros((40, 55, 3)), frame_rate=15)
     with pytest.raises(InputError, match="mean and spread are not given"):
         load_published("beat", path).embed(clip)

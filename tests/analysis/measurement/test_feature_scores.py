@@ -78,15 +78,22 @@ def test_recorded_motion_has_a_variance_but_no_distance() -> None:
     assert score_of(alone, "ours", variance).value > 0
 
 
-def test_predicted_emotions_are_counted_in_a_confusion_matrix() -> None:
-    emotions = {"s00": "anger", "s01": "anger", "s02": "fear", "s03": "joy"}
+def test_predicted_emotions_are_counted_and_have_equal_weight_if_the_network_knows_them() -> None:
+    ours = clips(4, named=[1, 2, 2, 0])
     found = feature_scores(
         network(names.EMOTION, LABELS),
-        {"ours": clips(4, named=[1, 2, 2, 0])},
+        {"ours": ours, "joyful": {"s03": ours["s03"]}},
         clips(4, named=[0, 0, 0, 0]),
-        emotions=emotions,
+        emotions={"s00": "anger", "s01": "anger", "s02": "fear", "s03": "joy"},
     )
-    assert score_of(found, "ours", names.EMOTION_ACCURACY).value == pytest.approx(0.75)
+    accuracy, unknown = (
+        score_of(found, condition, names.EMOTION_ACCURACY) for condition in ("ours", "joyful")
+    )
+    assert accuracy.value == pytest.approx(0.75)
+    assert accuracy.settings["mean over"] == "anger (2), fear (1)"
+    assert accuracy.settings["chance"] == "1 / 3"
     assert [score.result.value for score in found.clips] == [1, 0, 1]
     assert found.clips[1].result.remark == "spoken: anger, named: fear"
+    assert (found.confusions[0].spoken, found.confusions[0].named) == (("anger", "fear"), LABELS)
     assert found.confusions[0].counts == ((0, 1, 1), (0, 0, 1))
+    assert "no clip has speech of an emotion" in unknown.reason

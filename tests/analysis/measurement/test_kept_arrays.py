@@ -1,4 +1,3 @@
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -8,9 +7,9 @@ from analysis.measurement.kept_arrays import kept_array
 from analysis.measurement.measured_clips import Reader, SeenMotion, Setup
 from analysis.measurement.presets import Preset
 from motion.arrays import Floats32
-from motion.clip import MotionClip
 from motion.formats import write_clip
 from motion.formats.beat_tracks import write_arkit_json
+from tests.analysis.waving import waving
 
 
 @pytest.fixture
@@ -67,7 +66,7 @@ def test_an_unwritable_cache_folder_is_harmless(tmp_path: Path, source: Path) ->
 
 
 def test_motion_its_face_file_rate_and_frozen_channels_are_part_of_the_cache_key(
-    tmp_path: Path, waving: Callable[..., MotionClip]
+    tmp_path: Path,
 ) -> None:
     def kept_after(rate: float, *frozen: str, own_files: bool = True) -> int:
         motion = SeenMotion(frozen=frozen, own_files=own_files)

@@ -1,7 +1,6 @@
 import math
 import pickle
 import shutil
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -14,9 +13,9 @@ from analysis.measurement.measuring import study_metrics
 from analysis.measurement.presets import PRESETS, combined
 from analysis.report.sections.metrics import PAPER_TABLES
 from motion.audio import Audio, write_wav
-from motion.clip import MotionClip
 from motion.formats import write_clip
 from tests.analysis.measurement.reading import score_of
+from tests.analysis.waving import waving
 
 Clips = dict[str, dict[str, Path]]
 Speech = dict[str, Excerpt]
@@ -35,7 +34,7 @@ def clicks(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def study(tmp_path: Path, clicks: Path, waving: Callable[..., MotionClip]) -> Study:
+def study(tmp_path: Path, clicks: Path) -> Study:
     """Return motion files of a waving and of a static condition, and their speech."""
     clips: Clips = {"waving": {}, "static": {}}
     for segment, amplitude in (("a", 0.4), ("b", 0.8)):
@@ -68,9 +67,7 @@ def test_every_condition_gets_every_metric_as_the_mean_over_its_clips(study: Stu
 
 
 @pytest.fixture
-def recorded_study(
-    tmp_path: Path, study: Study, waving: Callable[..., MotionClip]
-) -> RecordedStudy:
+def recorded_study(tmp_path: Path, study: Study) -> RecordedStudy:
     """Return a study with recordings, which two conditions are and are a copy of."""
     clips, speech = study
     recorded = {}
@@ -188,7 +185,7 @@ def test_missing_inputs_of_metrics_are_reported(recorded_study: RecordedStudy) -
 
 
 def test_clips_are_compared_at_the_lowest_stated_or_actual_rate_up_to_thirty(
-    study: Study, tmp_path: Path, waving: Callable[..., MotionClip]
+    study: Study, tmp_path: Path
 ) -> None:
     folder = tmp_path / "kept"
     fast = study_metrics(*study, file_rate=30.0, kept=folder)
@@ -221,8 +218,8 @@ def test_semantic_scores_weight_the_recalled_frames(
         copied = score_of(metrics, "copied", f"semantic-relevant gesture recall ({preset})")
         assert copied.value == 1
         assert copied.reason == "no frame has a semantic score above 0 (1 of 2 clips)"
-        waving = score_of(metrics, "waving", f"semantic-relevant gesture recall ({preset})")
-        assert waving.value == pytest.approx(
+        other = score_of(metrics, "waving", f"semantic-relevant gesture recall ({preset})")
+        assert other.value == pytest.approx(
             next(
                 s.result.value
                 for s in metrics.clips

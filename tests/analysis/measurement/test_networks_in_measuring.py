@@ -1,11 +1,10 @@
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from analysis.evaluators import feature_networks
 from analysis.evaluators import feature_networks as names
 from analysis.evaluators.feature_networks import networks
 from analysis.measurement.measured_clips import LandmarkBody
@@ -17,6 +16,7 @@ from motion.errors import InputError
 from motion.formats import write_clip
 from renderer.look import default_body
 from tests.analysis.measurement.reading import score_of
+from tests.analysis.waving import waving
 from tests.motion.random_clips import clip_of
 
 Clips = dict[str, dict[str, Path]]
@@ -57,16 +57,16 @@ def network_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ne
     def opening(path: Path) -> MeanPose:
         return opened.setdefault(path, MeanPose(path))
 
-    monkeypatch.setattr(feature_networks, "open_network", opening)
-    feature_networks._opened.cache_clear()
+    monkeypatch.setattr(names, "open_network", opening)
+    names._opened.cache_clear()
     path = tmp_path / "network"
     path.write_text("c0ffee" * 11)
     yield path, opened
-    feature_networks._opened.cache_clear()
+    names._opened.cache_clear()
 
 
 @pytest.fixture
-def study(tmp_path: Path, waving: Callable[..., MotionClip]) -> Clips:
+def study(tmp_path: Path) -> Clips:
     clips: Clips = {"truth": {}, "ours": {}}
     for condition, size in (("truth", 0.5), ("ours", 0.8)):
         for number in range(6):
@@ -104,7 +104,7 @@ def test_the_studys_channels_are_frozen_for_the_network(
 
 
 def test_clips_without_usable_features_are_left_out_with_their_reasons(
-    study: Clips, network_file: NetworkFile, waving: Callable[..., MotionClip]
+    study: Clips, network_file: NetworkFile
 ) -> None:
     path, _ = network_file
     write_clip(study["ours"]["s0"], waving(seconds=1.0))
@@ -165,14 +165,11 @@ def talking(tmp_path: Path) -> Clips:
     return clips
 
 
-LANDMARK_ERRORS = (
-    "mean absolute error (MALE, s2ue)",
-    "mean acceleration error (MAcE-LM, s2ue)",
-)
+LANDMARK_ERRORS = ("mean absolute error (MALE, s2ue)", "mean acceleration error (MAcE-LM, s2ue)")
 
 
 def test_landmark_errors_are_zero_for_a_copied_face_and_millimetres_otherwise(
-    talking: Clips, waving: Callable[..., MotionClip]
+    talking: Clips,
 ) -> None:
     def measured(**settings: Any) -> StudyMetrics:
         face = {"face": LandmarkBody(path=default_body())} | settings

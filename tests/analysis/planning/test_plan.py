@@ -58,8 +58,7 @@ def with_powers(made: Plan, powers: dict[tuple[int, int], float]) -> Plan:
     """Return the plan with other powers for its larger effect."""
     cells = tuple(
         replace(
-            cell,
-            powers=(replace(cell.powers[0], power=powers[cell.size.numbers], error=0.01),),
+            cell, powers=(replace(cell.powers[0], power=powers[cell.size.numbers], error=0.01),)
         )
         for cell in made.cells
         if cell.powers[0].effect

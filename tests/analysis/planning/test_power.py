@@ -125,9 +125,7 @@ POWERS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("effect", POWERS)
-def test_the_power_of_scores_is_near_that_of_a_crossed_mixed_model(
-    effect: float,
-) -> None:
+def test_the_power_of_scores_is_near_that_of_a_crossed_mixed_model(effect: float) -> None:
     for participants, items, known in POWERS[effect]:
         part = sketched("pairs", participants, items)
         (result,) = simulate_power((part,), Opinions(), effect, (1,), studies=2000)

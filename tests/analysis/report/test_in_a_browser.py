@@ -70,9 +70,7 @@ def test_the_page_loads_nothing_logs_no_error_fits_and_follows_light_and_dark(
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") != light
 
 
-def test_a_table_is_sorted_numerically_by_click_and_keyboard(
-    page: Page,
-) -> None:
+def test_a_table_is_sorted_numerically_by_click_and_keyboard(page: Page) -> None:
     table = page.locator("#flow ~ section table.sortable").filter(has=page.locator("[data-value]"))
     table = table.first
     index = table.evaluate(

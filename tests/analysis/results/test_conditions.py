@@ -6,22 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.results.conditions import RankingResults, RatingResults
 from analysis.stats.multiple_testing import holm
 from tests.analysis.reference import reference_ratings, with_reference
 from tests.analysis.results.made_tables import ranking_table, rating_table, report_of
 
 
-def results(folder: Path, table: pd.DataFrame, **options: Any) -> RatingResults:
-    result = report_of(table, "rating", folder, **options).results
-    assert isinstance(result, RatingResults)
-    return result
-
-
-def rankings(folder: Path, table: pd.DataFrame) -> RankingResults:
-    result = report_of(table, "ranking", folder).results
-    assert isinstance(result, RankingResults)
-    return result
+def results(folder: Path, table: pd.DataFrame, protocol: str = "rating", **options: Any) -> Any:
+    return report_of(table, protocol, folder, **options).results
 
 
 @with_reference
@@ -104,10 +95,8 @@ def test_intervals_are_clipped_only_at_a_stated_scales_ends(tmp_path: Path) -> N
     assert 5 < highest((1, 7)) == highest(None) < 7
 
 
-def test_worths_and_ranks_follow_the_truth_with_segments_as_a_sample(
-    tmp_path: Path,
-) -> None:
-    result = rankings(tmp_path, ranking_table(participants=15))
+def test_worths_and_ranks_follow_the_truth_with_segments_as_a_sample(tmp_path: Path) -> None:
+    result = results(tmp_path, ranking_table(participants=15), "ranking")
     fitted = result.plackett_luce.of_set(None)["realism"]
     worths = {condition.condition: condition.estimate for condition in fitted.conditions}
     assert sum(worths.values()) == pytest.approx(0, abs=1e-9)
@@ -128,12 +117,9 @@ def test_worths_and_ranks_follow_the_truth_with_segments_as_a_sample(
 
 def test_an_empty_rank_leaves_a_condition_out_of_its_ranking(tmp_path: Path) -> None:
     table = ranking_table()
-    some = (
-        table["rank"]
-        .astype("Float64")
-        .mask((table["condition"] == "static") & (table["segment"] == "s1"))
-    )
-    result = rankings(tmp_path, table.assign(rank=some))
+    empty = (table["condition"] == "static") & (table["segment"] == "s1")
+    some = table["rank"].astype("Float64").mask(empty)
+    result = results(tmp_path, table.assign(rank=some), "ranking")
     by_name = {condition.condition: condition for condition in result.conditions}
     assert by_name["truth"].n == 12 * 6
     assert by_name["static"].n == 12 * 5

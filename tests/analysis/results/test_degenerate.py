@@ -8,18 +8,14 @@ import pandas as pd
 import pytest
 
 from analysis.results.report import as_json
-from tests.analysis.results.made_tables import TABLES, report_of
+from tests.analysis.results.made_tables import TABLES, one_answer_everywhere, report_of
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]
 
 OF_STUDIES_ALONE = "flow"
 """Of a table it holds nothing that only a study knows."""
 
-SAID_BESIDE = {
-    "share": "win_share",
-    "set": None,
-    "settings": None,
-}
+SAID_BESIDE = {"share": "win_share", "set": None, "settings": None}
 """Numbers whose neighbour says why they are missing; None: what may always be missing."""
 
 
@@ -49,11 +45,6 @@ def nulls_without_reason(value: Any, where: str = "") -> Iterator[str]:
                 yield f"{where}.{name}"
         if own or None not in numbers:
             yield from nulls_without_reason(one, f"{where}.{name}")
-
-
-def one_answer_everywhere(table: pd.DataFrame) -> pd.DataFrame:
-    answer = "rank" if "rank" in table else "response"
-    return table.assign(**{answer: 3 if answer == "response" else 1})
 
 
 def separated(table: pd.DataFrame) -> pd.DataFrame:
@@ -86,6 +77,14 @@ def same_side(table: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
+def disconnected(table: pd.DataFrame) -> pd.DataFrame:
+    """Half of the participants answer about other conditions."""
+    names = [name for name in ("participant", "left", "right", "condition") if name in table]
+    others = table.copy()
+    others[names] = "z" + others[names]
+    return pd.concat([table, others])
+
+
 CHANGES: dict[str, Change] = {
     "empty": lambda table: table.iloc[:0],
     "one participant": lambda table: table[table["participant"] == "p00"],
@@ -98,19 +97,7 @@ CHANGES: dict[str, Change] = {
     "half finished": lambda table: table.sample(frac=0.4, random_state=1),
     "practice alone": lambda table: table.assign(kind="practice"),
     "everybody excluded": lambda table: table.assign(excluded="true"),
-    "disconnected": lambda table: pd.concat(
-        [
-            table.assign(participant="a" + table["participant"]),
-            table.assign(
-                participant="b" + table["participant"],
-                **{
-                    name: "z" + table[name]
-                    for name in ("left", "right", "condition")
-                    if name in table
-                },
-            ),
-        ]
-    ),
+    "disconnected": disconnected,
     "two sets": lambda table: table.assign(set=(table["segment"] > "s2").map(str)),
 }
 

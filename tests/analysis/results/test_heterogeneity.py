@@ -94,9 +94,7 @@ def pairs_of(rows: pd.DataFrame, protocol: str, folder: Path) -> tuple[Preferred
     return preferred_pairs(table, leave_out(table, ()).analysed)
 
 
-def test_for_two_conditions_the_segments_with_most_and_fewest_wins_are_kept(
-    tmp_path: Path,
-) -> None:
+def test_for_two_conditions_the_segments_with_most_and_fewest_wins_are_kept(tmp_path: Path) -> None:
     rows = pd.DataFrame(
         [
             ("p1", "liked", "ours", "theirs", 1),

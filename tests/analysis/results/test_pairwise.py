@@ -71,9 +71,7 @@ def test_a_comparison_agrees_with_its_parts(table: pd.DataFrame, found: Pairwise
     )
 
 
-def test_the_first_condition_is_a_and_results_flip_with_the_order(
-    tmp_path: Path,
-) -> None:
+def test_the_first_condition_is_a_and_results_flip_with_the_order(tmp_path: Path) -> None:
     table = pairwise_table(("x", "y"), effects=(0.8, 0.0), participants=8, segments=6)
     mirrored = table.assign(
         left=table["right"], right=table["left"], response=6 - table["response"]
@@ -149,9 +147,7 @@ def test_equivalence_is_reported_if_a_margin_was_stated(found: PairwiseResults) 
         assert equivalence.verdict.startswith("equivalent") == inside
 
 
-def test_the_win_share_decides_with_few_segments_and_the_model_with_many(
-    tmp_path: Path,
-) -> None:
+def test_the_win_share_decides_with_few_segments_and_the_model_with_many(tmp_path: Path) -> None:
     many = pairwise_table(("x", "y"), effects=(0.3, 0.0), participants=20, segments=20)
     few = many[many["segment"].isin(["s1", "s2", "s3", "s4", "s5"])].assign(question="rhythm")
     first, second = results(tmp_path, pd.concat([many, few])).comparisons
@@ -193,10 +189,7 @@ def test_without_a_model_the_win_share_or_the_sign_test_decides(
 @pytest.fixture(scope="module")
 def five() -> pd.DataFrame:
     return pairwise_table(
-        ("a", "b", "c", "d", "e"),
-        participants=10,
-        segments=6,
-        effects=(1.5, 1.0, 0.5, 0.2, 0.0),
+        ("a", "b", "c", "d", "e"), participants=10, segments=6, effects=(1.5, 1.0, 0.5, 0.2, 0.0)
     )
 
 

@@ -111,8 +111,10 @@ NAMES = ("c00", "c01", "c02")
 SEGMENTS = ("s00", "s01")
 
 
-def _within(answers: pd.DataFrame, metrics: StudyMetrics) -> WithinCorrelation:
-    result = tally("rating", answers)
+def _within(
+    answers: pd.DataFrame, metrics: StudyMetrics, protocol: str = "rating"
+) -> WithinCorrelation:
+    result = tally(protocol, answers)
     (side,) = oriented_metrics(metrics, result.conditions, result.segments, None)
     return within_conditions(result, side)
 
@@ -142,10 +144,9 @@ def test_for_pairs_the_difference_of_scores_is_compared_with_the_win_share() -> 
             "value": np.where(wins, 1, 5),
         }
     )
-    result = tally("pairwise", answers)
-    (side,) = oriented_metrics(metrics_of(scores), result.conditions, result.segments, None)
     expected = np.corrcoef(scores[0] - scores[1], wins)[0, 1]
-    assert within_conditions(result, side).estimate == pytest.approx(expected)
+    result = _within(answers, metrics_of(scores), "pairwise")
+    assert result.estimate == pytest.approx(expected)
 
 
 ALIKE = metrics_of(np.full((6, 12), 0.1))

@@ -1,5 +1,4 @@
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +11,7 @@ from analysis.stats.multiple_testing import (
     holm,
     looks_before,
 )
+from tests.analysis.looks import looked
 
 
 def test_a_missing_test_stays_a_member_of_the_family() -> None:
@@ -50,17 +50,7 @@ def test_a_look_at_the_same_participants_again_costs_nothing() -> None:
     assert false_positive_rate([]) == 0
 
 
-LOOK = Look(
-    day="2026-05-04",
-    by="researcher 1",
-    way="page",
-    reason="a video broke",
-    finished=10,
-    planned=30,
-    answers=100,
-)
-LATER = replace(LOOK, finished=20, answers=200)
-NOW = replace(LOOK, finished=30, answers=300)
+LOOK, LATER, NOW = map(looked, (10, 20, 30))
 
 
 def test_looks_at_the_reported_answers_do_not_count_as_earlier() -> None:
@@ -72,7 +62,7 @@ def test_looks_at_the_reported_answers_do_not_count_as_earlier() -> None:
 
 
 def test_consecutive_identical_looks_are_counted_together() -> None:
-    other = replace(LOOK, reason="curious")
+    other = looked(10, "curious")
 
     result = looks_before([LOOK, LOOK, other, LOOK], finished=30, answers=300)
 
@@ -91,7 +81,7 @@ def test_consecutive_identical_looks_are_counted_together() -> None:
     ("looks", "finished", "reason"),
     [
         ([], 30, "no look is logged"),
-        ([replace(LOOK, finished=0)], 30, "no participant had finished"),
+        ([looked(0)], 30, "no participant had finished"),
         ([LOOK], 0, "no participant had finished"),
     ],
 )

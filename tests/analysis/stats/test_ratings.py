@@ -41,30 +41,26 @@ def test_ratings_are_paired_by_participant_and_segment() -> None:
 
 
 def test_a_few_unpaired_ratings_are_left_out() -> None:
-    values, which, people, items = made()
+    _, which, _, items = made()
     few = ~((which == 0) & (items < 2))
 
-    result = mean_difference(
-        rated_cells(values[few], which[few], people[few], items[few], count=3), 0, 1
-    )
+    result = mean_difference(rated_cells(*(part[few] for part in made()), count=3), 0, 1)
 
     assert result.n == 60
     assert result.segments == 6
 
 
 def test_unpaired_ratings_give_the_difference_of_two_means() -> None:
-    values, which, people, items = made(seed=3)
+    _, which, people, items = made(seed=3)
     apart = which == (people + items) % 3
-    y, first = values[apart], which[apart] == 0
-    two = which[apart] < 2
+    values, which, people, items = (part[apart] for part in made(seed=3))
+    two = which < 2
 
-    result = mean_difference(
-        rated_cells(y, which[apart], people[apart], items[apart], count=3), 0, 1
-    )
+    result = mean_difference(rated_cells(values, which, people, items, count=3), 0, 1)
 
-    design = np.column_stack([np.ones(two.sum()), first[two]])
-    fitted = OLS(y[two], design).fit()
-    expected = cov_cluster_2groups(fitted, people[apart][two], items[apart][two])[0][1, 1]
+    design = np.column_stack([np.ones(two.sum()), which[two] == 0])
+    fitted = OLS(values[two], design).fit()
+    expected = cov_cluster_2groups(fitted, people[two], items[two])[0][1, 1]
     expected *= (two.sum() - 2) / (two.sum() - 1)  # Its factor for few answers.
     assert result.method.startswith("all ratings")
     assert result.estimate == pytest.approx(fitted.params[1])

@@ -35,9 +35,7 @@ def section(found: TableReport) -> Section | None:
     return against_people_section(found, subject_of(found))
 
 
-def test_correlations_are_in_a_table_and_two_reproducible_figures(
-    tmp_path: Path,
-) -> None:
+def test_correlations_are_in_a_table_and_two_reproducible_figures(tmp_path: Path) -> None:
     found = report(tmp_path, "ranking", CONDITIONS)
     shown = present(section(found))
     assert shown == section(found)

@@ -22,9 +22,7 @@ from tests.analysis.results.made_tables import (
 )
 
 
-def test_a_preference_is_stated_with_the_deciding_estimate_and_its_sample(
-    tmp_path: Path,
-) -> None:
+def test_a_preference_is_stated_with_the_deciding_estimate_and_its_sample(tmp_path: Path) -> None:
     table = pairwise_table(("ours", "other"), effects=(3.0, 0.0), participants=14, segments=8)
     report = report_of(table, "pairwise", tmp_path)
 

@@ -56,9 +56,7 @@ def test_cumulative_curves_are_the_shares_that_reach_a_score(
         assert f"{one.at_least[3]:.0f}% at least 3" in said
 
 
-def test_the_best_mean_is_bold_and_the_second_best_underlined(
-    sections: Sections,
-) -> None:
+def test_the_best_mean_is_bold_and_the_second_best_underlined(sections: Sections) -> None:
     rows = named_table(sections("rating")[0], "scores-set-1").rows
     means = {row[0].text: row[1] for row in rows}
     assert means["truth"].best

@@ -6,31 +6,21 @@ import pytest
 from analysis.report.content import Section
 from analysis.report.sections.heterogeneity import heterogeneity_section
 from tests.analysis.report.sections.conftest import Analyse, Sections
-from tests.analysis.report.sections.reading import (
-    check_texts,
-    drawn,
-    named_picture,
-    present,
-    told,
-)
+from tests.analysis.report.sections.reading import check_texts, drawn, named_picture, present, told
 from tests.analysis.report.subjects import headline, subject_of
-from tests.analysis.results.made_tables import TABLES, pairwise_table
+from tests.analysis.results.made_tables import TABLES, one_answer_everywhere, pairwise_table
 
 PROTOCOLS = tuple(TABLES)
 
 
-def all_alike(table: pd.DataFrame, protocol: str) -> pd.DataFrame:
-    column = "rank" if protocol == "ranking" else "response"
-    return table.assign(**{column: {"pairwise": 3, "rating": 4, "mismatch": 3}.get(protocol, 1)})
+def of_one(table: pd.DataFrame) -> pd.DataFrame:
+    return table[table["participant"] == "p00"]
 
 
-CASES: dict[str, tuple[Callable[[pd.DataFrame, str], pd.DataFrame], str]] = {
-    "one participant": (
-        lambda table, _: table[table["participant"] == "p00"],
-        "Only one participant's answers",
-    ),
-    "equal answers": (all_alike, "nothing to test"),
-    "everybody excluded": (lambda table, _: table.assign(excluded=True), "No answer is left"),
+CASES: dict[str, tuple[Callable[[pd.DataFrame], pd.DataFrame], str]] = {
+    "one participant": (of_one, "Only one participant's answers"),
+    "equal answers": (one_answer_everywhere, "nothing to test"),
+    "everybody excluded": (lambda table: table.assign(excluded=True), "No answer is left"),
 }
 
 
@@ -38,8 +28,7 @@ CASES: dict[str, tuple[Callable[[pd.DataFrame, str], pd.DataFrame], str]] = {
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_a_sentence_replaces_an_empty_figure(protocol: str, case: str, analyse: Analyse) -> None:
     change, reason = CASES[case]
-    table = TABLES[protocol](participants=3, segments=3)
-    found = headline(analyse(protocol, change(table, protocol)))
+    found = headline(analyse(protocol, change(TABLES[protocol](participants=3, segments=3))))
     assert found or case == "everybody excluded"
     for section in found:
         assert reason in section.paragraphs[0]
@@ -49,9 +38,9 @@ def test_a_sentence_replaces_an_empty_figure(protocol: str, case: str, analyse: 
 
 def test_a_comparison_without_analysed_answers_says_so_among_the_others(analyse: Analyse) -> None:
     table = pairwise_table(participants=4, segments=3)
-    lost = table["participant"].isin(["p00"])
-    of_one = (table["left"].isin(["other", "static"])) & (table["right"].isin(["other", "static"]))
-    table = table[lost | ~of_one].assign(excluded=lambda t: t["participant"] == "p00")
+    lost = table["participant"] == "p00"
+    shown = lost | (table["left"] == "ours") | (table["right"] == "ours")
+    table = table[shown].assign(excluded=lost)
     (section,) = headline(analyse("pairwise", table))
     picture = named_picture(section, "preferences")
     assert "no answers" in drawn(picture).get_text()
@@ -65,9 +54,7 @@ def test_no_cell_or_note_says_nan(name: str, analyse: Analyse, sections: Section
         check_texts(headline(analyse(name, TABLES[name](participants=1, segments=3))))
 
 
-def test_effects_are_split_by_emotion_and_few_segments_are_descriptive(
-    analyse: Analyse,
-) -> None:
+def test_effects_are_split_by_emotion_and_few_segments_are_descriptive(analyse: Analyse) -> None:
     table = pairwise_table(("ours", "other"), effects=(1, 0), participants=4, segments=6)
 
     def apart(answers: pd.DataFrame) -> Section:
@@ -90,8 +77,8 @@ def test_effects_are_split_by_emotion_and_few_segments_are_descriptive(
     assert (
         "Each emotion has one segment, so its estimate is that of the segment." in once.paragraphs
     )
-    alone = analyse("pairwise", table[table["participant"] == "p00"])
+    alone = analyse("pairwise", of_one(table))
     assert heterogeneity_section(alone, subject_of(alone)) is None
-    untested = apart(all_alike(table, "pairwise"))
+    untested = apart(one_answer_everywhere(table))
     assert untested.tables[0].secondary == "No test could be run"
     assert any("no test" in note for note in untested.tables[0].notes)

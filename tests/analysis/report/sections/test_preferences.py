@@ -9,13 +9,7 @@ from analysis.report.sections.preferences import pairwise_groups
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.report import TableReport
 from tests.analysis.report.sections.conftest import Analyse, Reports, Sections
-from tests.analysis.report.sections.reading import (
-    bar,
-    named_picture,
-    named_table,
-    told,
-    words,
-)
+from tests.analysis.report.sections.reading import bar, named_picture, named_table, told, words
 from tests.analysis.report.subjects import headline
 from tests.analysis.results.made_tables import mismatch_table, pairwise_table
 

@@ -20,7 +20,8 @@ from analysis.report.sections.participants import (
 )
 from analysis.results.known_values import KnownValue, match_values
 from analysis.results.pairwise import PairwiseResults
-from analysis.stats.multiple_testing import Look, looks_before
+from analysis.stats.multiple_testing import looks_before
+from tests.analysis.looks import looked
 from tests.analysis.report.sections.reading import present
 from tests.analysis.report.subjects import SEGMENT, bare_subject, subject_of
 from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table, report_of
@@ -105,18 +106,6 @@ def test_a_rehearsals_truth_is_compared_with_estimates_in_either_direction(tmp_p
     assert float(second[4]) == pytest.approx(1 - share.estimate, abs=0.005)
     assert "1 of 2 intervals contain their true value" in section.paragraphs[0]
     assert truth_section(subject_of(report)) is None
-
-
-def looked(finished: int, reason: str = "a video broke") -> Look:
-    return Look(
-        day="2026-05-04",
-        by="researcher 1",
-        way="page",
-        reason=reason,
-        finished=finished,
-        planned=30,
-        answers=10 * finished,
-    )
 
 
 def test_looks_are_reported_on_the_first_screen_in_the_methods_and_in_a_section(

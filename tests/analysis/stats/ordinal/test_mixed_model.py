@@ -167,9 +167,7 @@ def small_studies(draw: st.DrawFn) -> MadeAnswers:
 
 @settings(max_examples=12, deadline=None)
 @given(small_studies())
-def test_a_fit_and_its_mirror_image_converge_or_report_separation(
-    made: MadeAnswers,
-) -> None:
+def test_a_fit_and_its_mirror_image_converge_or_report_separation(made: MadeAnswers) -> None:
     one, other = fitted(made), fitted(mirror_image(made))
 
     for result in (one, other):
