@@ -32,12 +32,6 @@ def read(folder: Path, table: pd.DataFrame) -> AnswerTable:
     return read_table(table, "pairwise", folder)
 
 
-def refusal(folder: Path, table: pd.DataFrame) -> str:
-    with pytest.raises(InputError) as caught:
-        read(folder, table)
-    return str(caught.value)
-
-
 def read_text(folder: Path, text: str, layout: Layout = PAIRWISE) -> AnswerTable:
     path = folder / "answers.csv"
     path.write_text(text, "utf-8-sig")
@@ -82,8 +76,8 @@ def test_invalid_values_of_a_column_are_refused(
     change: dict[str, Any], column: str, tmp_path: Path
 ) -> None:
     table = pairs({"kind": "main"}, change)
-    text = refusal(tmp_path, table if "kind" in change else table.drop(columns="kind"))
-    assert text.startswith(f"answers.csv, row 3, column {column}:")
+    with pytest.raises(InputError, match=rf"^answers\.csv, row 3, column {column}:"):
+        read(tmp_path, table if "kind" in change else table.drop(columns="kind"))
 
 
 def test_empty_answers_and_unknown_columns_are_skipped_with_a_note(tmp_path: Path) -> None:

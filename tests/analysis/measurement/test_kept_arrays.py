@@ -65,9 +65,7 @@ def test_an_unwritable_cache_folder_is_harmless(tmp_path: Path, source: Path) ->
     assert is_computed(None, source)
 
 
-def test_motion_its_face_file_rate_and_frozen_channels_are_part_of_the_cache_key(
-    tmp_path: Path,
-) -> None:
+def test_motion_its_face_file_rate_and_frozen_channels_are_in_the_cache_key(tmp_path: Path) -> None:
     def kept_after(rate: float, *frozen: str, own_files: bool = True) -> int:
         motion = SeenMotion(frozen=frozen, own_files=own_files)
         setup = Setup(frame_rate=rate, motion=motion, preset=Preset(), kept=tmp_path / "kept")

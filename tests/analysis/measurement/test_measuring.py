@@ -14,7 +14,7 @@ from analysis.measurement.presets import PRESETS, combined
 from analysis.report.sections.metrics import PAPER_TABLES
 from motion.audio import Audio, write_wav
 from motion.formats import write_clip
-from tests.analysis.measurement.reading import score_of
+from tests.analysis.measurement.reading import clip_scores, score_of
 from tests.analysis.waving import waving
 
 Clips = dict[str, dict[str, Path]]
@@ -53,11 +53,7 @@ def test_every_condition_gets_every_metric_as_the_mean_over_its_clips(study: Stu
     assert pickle.dumps(metrics.clips)  # as other processes send them
     assert metrics.frame_rate == 30.0
     jerk = score_of(metrics, "waving", "jerk (hands)")
-    values = [
-        s.result.value
-        for s in metrics.clips
-        if (s.condition, s.result.name) == ("waving", "jerk (hands)")
-    ]
+    values = [*clip_scores(metrics, "waving", "jerk (hands)").values()]
     assert jerk.value == pytest.approx(np.mean(values))
     assert jerk.spread == pytest.approx(np.std(values, ddof=1))
     assert (jerk.scored, jerk.clips, jerk.settings["frame rate"]) == (2, 2, "30 fps")
@@ -219,14 +215,8 @@ def test_semantic_scores_weight_the_recalled_frames(
         assert copied.value == 1
         assert copied.reason == "no frame has a semantic score above 0 (1 of 2 clips)"
         other = score_of(metrics, "waving", f"semantic-relevant gesture recall ({preset})")
-        assert other.value == pytest.approx(
-            next(
-                s.result.value
-                for s in metrics.clips
-                if (s.condition, s.segment) == ("waving", "a")
-                and s.result.name == f"percent of correct motion ({preset})"
-            )
-        )
+        correct = clip_scores(metrics, "waving", f"percent of correct motion ({preset})")
+        assert other.value == pytest.approx(correct["a"])
     assert not any("recall" in s.name for s in metrics.conditions if s.condition == "recorded")
 
 

@@ -168,9 +168,7 @@ def talking(tmp_path: Path) -> Clips:
 LANDMARK_ERRORS = ("mean absolute error (MALE, s2ue)", "mean acceleration error (MAcE-LM, s2ue)")
 
 
-def test_landmark_errors_are_zero_for_a_copied_face_and_millimetres_otherwise(
-    talking: Clips,
-) -> None:
+def test_landmark_errors_are_zero_for_a_copy_and_millimetres_otherwise(talking: Clips) -> None:
     def measured(**settings: Any) -> StudyMetrics:
         face = {"face": LandmarkBody(path=default_body())} | settings
         return study_metrics(talking, {}, recorded=talking["truth"], presets=["s2ue"], **face)

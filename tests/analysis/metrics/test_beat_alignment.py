@@ -90,9 +90,7 @@ def swinging() -> Floats:
 
 
 @pytest.mark.parametrize("preset", [AMUSE, BEAT], ids=lambda preset: preset.name)
-def test_motion_on_the_beat_scores_above_chance_and_off_the_beat_below(
-    preset: BeatSettings,
-) -> None:
+def test_motion_on_the_beat_scores_above_chance_and_off_it_below(preset: BeatSettings) -> None:
     positions = swinging()
     turns = np.arange(0.25, 10, 0.5)
 

@@ -87,9 +87,7 @@ def test_sliding_fades_with_the_height_of_the_foot() -> None:
     assert half.value == pytest.approx(0.4 * (1 + 2 - math.sqrt(2)) / 2)
 
 
-def test_clips_too_short_too_slow_or_without_a_standing_foot_have_a_reason_instead_of_a_score() -> (
-    None
-):
+def test_clips_too_short_too_slow_or_without_a_standing_foot_have_a_reason_for_no_score() -> None:
     clip, flying = np.zeros((40, 2, 3)), feet()
     flying[::2, :, 1] = 1.0
     for result, reason in (

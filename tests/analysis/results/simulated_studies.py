@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from analysis.metrics.scores import Better, ClipScore, MetricResult, StudyMetrics, clip_means
+from analysis.metrics.scores import Better, ClipScore, Metric, StudyMetrics, clip_means
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,22 +59,16 @@ def names(letter: str, count: int) -> list[str]:
     return [f"{letter}{number:02d}" for number in range(count)]
 
 
-def metrics_of(
-    scores: np.ndarray, *, better: Better = "higher", name: str = "liveliness"
-) -> StudyMetrics:
+def metrics_of(scores: np.ndarray, *, better: Better = "higher") -> StudyMetrics:
     """Return one metric with the given scores, shape (conditions, segments); NaN for none."""
+    metric = Metric("liveliness", "m/s", better)
     clips = tuple(
         ClipScore(
             condition=condition,
             segment=segment,
-            result=MetricResult(
-                name=name,
-                value=float(value),
-                unit="m/s",
-                n=1,
-                better=better,
-                reason="too short" if math.isnan(value) else "",
-            ),
+            result=metric.missing("too short")
+            if np.isnan(value)
+            else metric.score(float(value), 1),
         )
         for condition, row in zip(names("c", len(scores)), scores, strict=True)
         for segment, value in zip(names("s", len(row)), row, strict=True)

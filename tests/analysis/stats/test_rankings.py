@@ -69,13 +69,8 @@ def test_the_two_way_interval_of_a_mean_rank_stays_within_the_ranks() -> None:
     table = ranking_table()
     result = rank_summaries(placements(table, CONDITIONS))[1]
     own = table[table["condition"] == "ours"]
-    expected = clustered_mean(
-        own["rank"].to_numpy(float),
-        own["participant"].to_numpy(str),
-        own["segment"].to_numpy(str),
-        null=2,
-        limits=(1, 3),
-    )
+    clusters = (own[name].to_numpy(str) for name in ("participant", "segment"))
+    expected = clustered_mean(own["rank"].to_numpy(float), *clusters, null=2, limits=(1, 3))
     assert result.mean_rank == expected
     assert result.mean_rank.participants == 12
 

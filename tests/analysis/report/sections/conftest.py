@@ -33,10 +33,8 @@ def reports(analyse: Analyse) -> Reports:
     @cache
     def report(name: str) -> TableReport:
         if name == "all pairs":
-            questions = ("rhythm", "emotion")
-            return analyse(
-                "pairwise", pairwise_table(questions=questions, participants=6, segments=4)
-            )
+            pairs = pairwise_table(questions=("rhythm", "emotion"), participants=6, segments=4)
+            return analyse("pairwise", pairs)
         if name == "against one":
             pairs = pairwise_table(participants=6, segments=4)
             with_static = pairs[(pairs["left"] == "static") | (pairs["right"] == "static")]

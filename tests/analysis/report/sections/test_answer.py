@@ -196,13 +196,8 @@ def test_open_places_unwatched_study_sessions_and_people_screened_out_are_counte
 def test_excluded_participants_are_counted_in_the_answer_and_the_flow_with_their_reasons(
     tmp_path: Path,
 ) -> None:
-    table = pd.concat(
-        [
-            pairwise_table(participants=6),
-            catch_rows("p00", "ll", (5, 5)),
-            catch_rows("p01", "l", (1,)),
-        ]
-    )
+    catch = [catch_rows("p00", "ll", (5, 5)), catch_rows("p01", "l", (1,))]
+    table = pd.concat([pairwise_table(participants=6), *catch])
     report = report_of(table, "pairwise", tmp_path)
 
     assert "5 of 6 participants" in answer(report, subject_of(report))[1]
