@@ -90,7 +90,7 @@ def test_intervals_are_clipped_only_at_a_stated_scales_ends(tmp_path: Path) -> N
 
     def highest(scale: tuple[int, int] | None) -> float:
         conditions = results(tmp_path, table, scale=scale).conditions
-        return max(condition.high for condition in conditions)
+        return float(max(condition.high for condition in conditions))
 
     assert highest((1, 5)) == 5
     assert 5 < highest((1, 7)) == highest(None) < 7
