@@ -56,9 +56,7 @@ def test_forms_from_other_sites_are_refused(desk: Flask, ada: ResearchBrowser) -
     for address in addresses:
         assert ada.client.post(address).status_code == 403, address
         sent = ada.client.post(
-            address,
-            data={"form_code": ada.code()},
-            headers={"Sec-Fetch-Site": "cross-site"},
+            address, data={"form_code": ada.code()}, headers={"Sec-Fetch-Site": "cross-site"}
         )
         assert sent.status_code == 403, address
 

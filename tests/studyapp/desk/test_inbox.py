@@ -8,13 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from motion.errors import InputError
-from studyapp.desk.inbox import (
-    KEPT_FREE,
-    LARGEST_PIECE,
-    Inbox,
-    InboxFile,
-    Upload,
-)
+from studyapp.desk.inbox import KEPT_FREE, LARGEST_PIECE, Inbox, InboxFile, Upload
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 

@@ -122,14 +122,7 @@ def test_only_motion_that_is_there_is_offered_in_3d(
 
 
 @pytest.mark.parametrize(
-    "where",
-    [
-        "no_such",
-        "..",
-        "take-3/motion/0",
-        "take-0/no_such.mp4",
-        "take-3/rule_based.mp4",
-    ],
+    "where", ["no_such", "..", "take-3/motion/0", "take-0/no_such.mp4", "take-3/rule_based.mp4"]
 )
 def test_only_the_studys_own_clips_are_served(
     folder: StudyFolder, ada: ResearchBrowser, where: str

@@ -120,9 +120,7 @@ UNUSABLE_RANKINGS: list[tuple[dict[str, str | list[str]], str]] = [
 ]
 
 
-def test_a_ranking_is_an_order_with_its_reason_stored_at_each_rank(
-    arrive: Arrive,
-) -> None:
+def test_a_ranking_is_an_order_with_its_reason_stored_at_each_rank(arrive: Arrive) -> None:
     participant = arrive("ranking")
     study = participant.served.study
     reason = Reason(name="hands", text="the hands")

@@ -57,9 +57,7 @@ def test_only_the_same_participant_continues_a_session(
     assert held_places(opened) == (1 if same else 2)
 
 
-def test_a_name_alone_has_to_wait_and_never_gets_the_code(
-    participant: Participant,
-) -> None:
+def test_a_name_alone_has_to_wait_and_never_gets_the_code(participant: Participant) -> None:
     named, clock = Arrival(recruiter_participant="p"), participant.clock
     somebody = replace(named, recruiter_session="another")
     owner = participant.another().arrive(named)
@@ -105,9 +103,7 @@ def test_places_per_network_address_and_hour_are_limited(
 
 
 @pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
-def test_many_arrivals_leave_connections_for_answers(
-    participant: Participant,
-) -> None:
+def test_many_arrivals_leave_connections_for_answers(participant: Participant) -> None:
     database, served, clock = participant.database, participant.served, participant.clock
     participant.take_trial()
     many = 20
@@ -169,9 +165,7 @@ def finish(participant: Participant) -> None:
         answer_well(participant, shown.token)
 
 
-def test_a_watch_report_restores_a_lost_place(
-    participant: Participant,
-) -> None:
+def test_a_watch_report_restores_a_lost_place(participant: Participant) -> None:
     token = participant.trial().videos[0].token
     participant.fetch(token)
     participant.clock.advance(minutes=46)

@@ -18,9 +18,7 @@ from tests.support.studies.form_questions import ABOUT, ADULT, COMPREHENSION, FO
 from tests.support.studies.taking_part_steps import Participant
 
 
-def test_questions_before_and_after_the_trials_are_answered_once(
-    open_changed: Open,
-) -> None:
+def test_questions_before_and_after_the_trials_are_answered_once(open_changed: Open) -> None:
     asking = open_changed(added=FORM).arrive(Arrival(visit="visit", form=ADULT))
     assert asking.look().form == "demographics"
     assert asking.begin().look().state == "instructed"

@@ -83,9 +83,7 @@ def test_fast_hidden_or_silent_playing_is_stored_but_does_not_count(
     assert watcher.watch((0.0, 2.0), batch=1) == 0
 
 
-def test_playing_a_little_faster_or_slower_within_the_video_counts(
-    watcher: Participant,
-) -> None:
+def test_playing_a_little_faster_or_slower_within_the_video_counts(watcher: Participant) -> None:
     assert watcher.watch((1.5, 30.0), (40.0, 50.0)) == pytest.approx(1.4)
     fast, slow = Playback(rate=1.04), Playback(rate=0.5)
     assert watcher.watch((0.0, 1.0), batch=1, playback=fast) == pytest.approx(0.4)
@@ -144,9 +142,7 @@ def test_reports_and_answers_are_accepted_after_the_clock_was_set_back(
         participant.watch((0.0, 2.0), playback=Playback(hidden_seconds=5.0))
 
 
-def test_a_report_number_counts_once_and_is_acknowledged_if_stored(
-    watcher: Participant,
-) -> None:
+def test_a_report_number_counts_once_and_is_acknowledged_if_stored(watcher: Participant) -> None:
     watcher.watch((0.0, 1.0))
     assert watcher.watch((1.0, 2.0)) == pytest.approx(0.9)
     assert not report_again(watcher, (1.0, 2.0)).stored
@@ -172,9 +168,7 @@ def test_a_video_watched_in_too_many_parts_must_be_replayed(watcher: Participant
     assert watcher.watch((0.0, 2.0), batch=1) == 0
 
 
-def test_reports_of_hidden_trials_or_after_withdrawal_are_not_stored(
-    watcher: Participant,
-) -> None:
+def test_reports_of_hidden_trials_or_after_withdrawal_are_not_stored(watcher: Participant) -> None:
     shown = watcher.trial()
     with pytest.raises(ConflictError):
         watcher.report(shown.next_videos[0], (0.0, 2.0))

@@ -6,12 +6,7 @@ from sqlalchemy import create_engine, select
 from studyapp.database.engine import Database
 from studyapp.database.tables.study_session import RefusalLine
 from studyapp.session import refusal
-from studyapp.session.refusal import (
-    ConflictError,
-    StudyFullError,
-    UnknownAddressError,
-    log_refusal,
-)
+from studyapp.session.refusal import ConflictError, StudyFullError, UnknownAddressError, log_refusal
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 

@@ -31,9 +31,7 @@ def hear(participant: Participant, typed: str) -> bool:
     return participant.do(check_sound, typed)
 
 
-def test_wrong_digits_are_counted_and_exclude_nobody(
-    listener: Participant,
-) -> None:
+def test_wrong_digits_are_counted_and_exclude_nobody(listener: Participant) -> None:
     assert listener.look().sound_tries == 0
     assert listener.begin().look().state == "instructed"
     spoken = digits(listener)
@@ -100,9 +98,7 @@ def resting(open_changed: Open) -> Participant:
     return open_changed(("[page]\n", "[page]\nbreak_every = 2\n")).enrol().begin()
 
 
-def test_breaks_come_between_trials_but_not_right_before_the_end(
-    resting: Participant,
-) -> None:
+def test_breaks_come_between_trials_but_not_right_before_the_end(resting: Participant) -> None:
     breaks = []
     while (situation := resting.look()).state != "completed":
         if (position := situation.break_before) is None:

@@ -25,14 +25,7 @@ from studyapp.web.site import attach, site_of
 from studyapp.web.worker import StudyWorker
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.visitor import Visitor, stored_in
-from tests.support.servers.s3_stand_in import (
-    BUCKET,
-    KEY,
-    Store,
-    forget_keys,
-    s3_stand_in,
-    use_keys,
-)
+from tests.support.servers.s3_stand_in import BUCKET, KEY, Store, forget_keys, s3_stand_in, use_keys
 from tests.support.studies.added_condition import make_videos_anew
 from tests.support.studies.taking_part_steps import SetClock
 

@@ -235,8 +235,7 @@ def test_a_name_that_cannot_be_stored_is_refused_like_a_wrong_one(browser: Resea
     for name in ("a\ud800", "x" * 5000, "' OR 1=1 --"):
         sent = name.encode("utf-8", "surrogatepass")
         answer = browser.client.post(
-            "/research/log-in",
-            data={"form_code": browser.code(), "name": sent, "password": sent},
+            "/research/log-in", data={"form_code": browser.code(), "name": sent, "password": sent}
         )
         assert answer.status_code == 403
         assert "password or code is wrong" in answer.text

@@ -70,9 +70,7 @@ def test_a_previewed_trial_names_its_conditions_and_missing_motion(
     }
 
 
-def test_only_trials_and_cacheable_viewer_files_are_served(
-    viewer: ResearchBrowser,
-) -> None:
+def test_only_trials_and_cacheable_viewer_files_are_served(viewer: ResearchBrowser) -> None:
     for address in (
         f"{SESSION}/1",
         "/research/study-sessions/1/7/motion",
