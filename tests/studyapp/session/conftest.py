@@ -11,14 +11,14 @@ from studyapp.database.tables.study_session import Place
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from tests.support.studies.redefining import redefine
+from tests.support.studies.stored import found_in
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 Open = Callable[..., Participant]
 
 
 def held_places(database: Database) -> int:
-    with database.reading() as session:
-        return session.scalars(select(func.count(Place.study_session_id))).one()
+    return found_in(database, select(func.count(Place.study_session_id)))[0]
 
 
 @pytest.fixture

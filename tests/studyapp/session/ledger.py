@@ -9,6 +9,7 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables.study_session import StudySession
 from studyapp.database.tables.trial import Trial
+from tests.support.studies.stored import found_in
 from tests.support.studies.taking_part_steps import Participant
 from tests.support.studies.three_arms import LEASE_MINUTES, PRESENTATIONS
 
@@ -75,8 +76,8 @@ def good_value(expected: int) -> int:
 
 def answer_well(participant: Participant, trial: str) -> int:
     """Answer `trial` so that no check is failed, and return the answer."""
-    with participant.database.reading() as session:
-        expected = session.scalars(select(Trial.expected).where(Trial.token == trial)).one()
+    query = select(Trial.expected).where(Trial.token == trial)
+    (expected,) = found_in(participant.database, query)
     value = good_value(expected or 2)
     participant.answer(trial, {"rhythm": str(value), "emotion": str(value)})
     return value

@@ -23,15 +23,15 @@ from studyapp.study.settings.questions import Reason
 from studyapp.study.settings.recruitment import is_guessable
 from tests.support.read_once import read_once
 from tests.support.studies.exported import responses_table
+from tests.support.studies.stored import found_in
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 Arrive = Callable[[str], Participant]
 
 
 def stored(participant: Participant) -> list[tuple[str, int]]:
-    with participant.database.reading() as session:
-        rows = session.scalars(select(Response).order_by(Response.id))
-        return [(row.question, row.value) for row in rows]
+    rows = found_in(participant.database, select(Response).order_by(Response.id))
+    return [(row.question, row.value) for row in rows]
 
 
 def trials_of(participant: Participant) -> list[str]:
@@ -64,15 +64,12 @@ def test_an_answer_is_stored_with_its_time_before_the_next_trial_is_shown(
         assert trial.seconds == 7.0
 
 
-UNUSABLE: list[tuple[dict[str, str | list[str]], str]] = [
-    ({"rhythm": "3", "emotion": "0"}, "not one of the choices"),
-    ({"rhythm": "１", "emotion": "0"}, "not one of the choices"),
-    ({"rhythm": "1.0", "emotion": "0"}, "not one of the choices"),
-    ({"rhythm": "-0", "emotion": "0"}, "not one of the choices"),
-    ({"rhythm": "1\n", "emotion": "0"}, "not one of the choices"),
+NO_CHOICE = "not one of the choices"
+UNUSABLE: list[tuple[dict[str, str], str]] = [
+    *(({"rhythm": each, "emotion": "0"}, NO_CHOICE) for each in ("3", "１", "1.0", "-0", "1\n")),
+    ({"rhythm": "1", "emotion": "0", "extra": "1"}, NO_CHOICE),
     ({"rhythm": "1"}, "not answered yet: 2"),
     ({}, "not answered yet: 1 and 2"),
-    ({"rhythm": "1", "emotion": "0", "extra": "1"}, "not one of the choices"),
 ]
 
 
@@ -110,13 +107,13 @@ def ranks(shown: ShownTrial) -> dict[str, str | list[str]]:
 
 UNUSABLE_RANKINGS: list[tuple[dict[str, str | list[str]], str]] = [
     ({"realism:2": "1"}, "same rank"),
-    ({"realism:2": "3"}, "not one of the choices"),
+    ({"realism:2": "3"}, NO_CHOICE),
     ({"realism:2": []}, "not answered yet: 1 about B"),
     ({"realism:2": [""]}, "not answered yet: 1 about B"),
-    ({"realism:0": "1"}, "not one of the choices"),
-    ({"realism:2": ["1", "2"]}, "not one of the choices"),
-    ({"realism:reasons": "face"}, "not one of the choices"),
-    ({"realism:1:reasons": "face"}, "not one of the choices"),
+    ({"realism:0": "1"}, NO_CHOICE),
+    ({"realism:2": ["1", "2"]}, NO_CHOICE),
+    ({"realism:reasons": "face"}, NO_CHOICE),
+    ({"realism:1:reasons": "face"}, NO_CHOICE),
 ]
 
 

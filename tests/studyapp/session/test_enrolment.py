@@ -5,7 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import pytest
-from sqlalchemy import func, select
+from sqlalchemy import select
 from sqlalchemy.pool import QueuePool
 
 from studyapp.database.engine import Database
@@ -25,6 +25,7 @@ from studyapp.session.state import find_study_session
 from studyapp.session.versions import open_study
 from tests.studyapp.session.conftest import held_places
 from tests.studyapp.session.ledger import answer_well
+from tests.support.studies.stored import found_in
 from tests.support.studies.taking_part_steps import Participant, SetClock
 from tests.support.studies.three_arms import three_arms
 
@@ -98,8 +99,7 @@ def test_places_per_network_address_and_hour_are_limited(
     arrive(3, "192.0.2.2")
     clock.advance(minutes=61)
     arrive(2, "192.0.2.1")
-    with opened.reading() as session:
-        assert len(session.scalars(select(Newcomer)).all()) == 1
+    assert len(found_in(opened, select(Newcomer))) == 1
 
 
 @pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
@@ -154,8 +154,7 @@ def test_the_study_is_full_only_once_the_last_place_is_taken(
 def let_in(database: Database, clock: SetClock, places: int, count: int) -> list[Participant]:
     """Open the study with `places` in each of its three arms, and let `count` newcomers in."""
     first = Participant(database, three_arms(places), clock).in_study(three_arms(places))
-    with database.reading() as session:
-        earlier = session.scalars(select(func.count(StudySession.id))).one()
+    earlier = len(found_in(database, select(StudySession.id)))
     return [first.another().enrol(f"visit {earlier + number}") for number in range(count)]
 
 
@@ -236,5 +235,4 @@ def test_extending_a_full_study_admits_that_many_more(
         newcomer.enrol("too late")
     places = overview(opened, served, clock.now()).places
     assert (places.wanted, places.active, places.open) == (6, 6, 0)
-    with opened.reading() as session:
-        assert session.scalar(select(func.count()).select_from(Place)) == 6
+    assert len(found_in(opened, select(Place))) == 6

@@ -1,5 +1,5 @@
 import pytest
-from sqlalchemy import func, select
+from sqlalchemy import select
 
 from studyapp.database.tables.study_session import FormAnswer, Place, ScreenOut, StudySession
 from studyapp.database.tables.trial import Trial
@@ -15,6 +15,7 @@ from studyapp.session.refusal import (
 from tests.studyapp.session.conftest import Open
 from tests.support.read_once import read_once
 from tests.support.studies.form_questions import ABOUT, ADULT, COMPREHENSION, FORM
+from tests.support.studies.stored import found_in
 from tests.support.studies.taking_part_steps import Participant
 
 
@@ -46,14 +47,13 @@ def test_questions_before_and_after_the_trials_are_answered_once(open_changed: O
     assert asking.look().completion_code
     table = read_once(asking.database, form_answers_table)
     assert table["question"].tolist() == ["adult", "age", "work", "comment"]
-    with asking.database.reading() as session:
-        rows = session.scalars(select(FormAnswer).order_by(FormAnswer.id))
-        assert [(row.stage, row.question, row.value) for row in rows] == [
-            ("eligibility", "adult", "yes"),
-            ("demographics", "age", "31"),
-            ("demographics", "work", ""),
-            ("closing", "comment", "Good."),
-        ]
+    rows = found_in(asking.database, select(FormAnswer).order_by(FormAnswer.id))
+    assert [(row.stage, row.question, row.value) for row in rows] == [
+        ("eligibility", "adult", "yes"),
+        ("demographics", "age", "31"),
+        ("demographics", "work", ""),
+        ("closing", "comment", "Good."),
+    ]
 
 
 @pytest.fixture
@@ -77,8 +77,7 @@ def test_an_unanswered_question_is_not_an_attempt_and_a_wrong_answer_leaves_one(
 
     again = reader.begin(judged="the gestures", tries=1)
     assert again.look().state == "started"
-    with reader.database.reading() as session:
-        assert session.scalars(select(FormAnswer.value)).all() == ["the clothes"]
+    assert found_in(reader.database, select(FormAnswer.value)) == ["the clothes"]
 
 
 @pytest.mark.parametrize("arrival", [Arrival(visit="visit"), Arrival(recruiter_participant="p1")])
@@ -95,11 +94,9 @@ def test_two_wrong_attempts_leave_no_data_and_free_the_place(
 
     with pytest.raises(UnknownAddressError):
         reader.look()
-    with reader.database.reading() as session:
-        for table in (StudySession, Trial, FormAnswer):
-            assert session.scalar(select(func.count()).select_from(table)) == 0
-        assert session.scalars(select(Place.study_session_id).distinct()).all() == [None]
-        assert session.scalars(select(ScreenOut)).all() == []
-        counts = count_screened_out(session)
+    for table in (StudySession, Trial, FormAnswer, ScreenOut):
+        assert found_in(reader.database, select(table)) == []
+    assert set(found_in(reader.database, select(Place.study_session_id))) == {None}
+    counts = read_once(reader.database, count_screened_out)
     assert counts == {"eligibility": 0, "consent": 0, "comprehension": 1}
     assert reader.arrive(arrival).begin(judged="the gestures").look().state == "started"

@@ -23,6 +23,7 @@ from studyapp.session.watch_evidence import (
     merge_intervals,
     total_seconds,
 )
+from tests.support.studies.stored import found_in
 from tests.support.studies.taking_part_steps import Participant
 
 POINTS = st.integers(0, 40)
@@ -55,8 +56,8 @@ def report_again(participant: Participant, *intervals: tuple[float, float]) -> W
 
 
 def record_of(participant: Participant) -> WatchRecord:
-    with participant.database.reading() as session:
-        return session.scalars(select(WatchRecord)).one()
+    (record,) = found_in(participant.database, select(WatchRecord))
+    return record
 
 
 @pytest.fixture
@@ -132,10 +133,9 @@ def test_reports_and_answers_are_accepted_after_the_clock_was_set_back(
     assert participant.watch((0.0, 2.0)) == 0
     participant.answer(trial.token)
 
-    with participant.database.reading() as session:
-        first = session.scalars(select(Trial).where(Trial.position == 1)).one()
-        assert first.answered_at is not None
-        assert first.seconds is None
+    (first,) = found_in(participant.database, select(Trial).where(Trial.position == 1))
+    assert first.answered_at is not None
+    assert first.seconds is None
     participant.trial()
     participant.clock.advance(seconds=1)
     with pytest.raises(TooMuchWatchedError):
@@ -175,5 +175,4 @@ def test_reports_of_hidden_trials_or_after_withdrawal_are_not_stored(watcher: Pa
     watcher.withdraw()
     with pytest.raises(RefusalError):
         watcher.report(shown.videos[0].token, (0.0, 2.0))
-    with watcher.database.reading() as session:
-        assert session.scalars(select(WatchRecord)).all() == []
+    assert found_in(watcher.database, select(WatchRecord)) == []

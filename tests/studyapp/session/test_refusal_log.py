@@ -7,6 +7,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables.study_session import RefusalLine
 from studyapp.session import refusal
 from studyapp.session.refusal import ConflictError, StudyFullError, UnknownAddressError, log_refusal
+from tests.support.studies.stored import found_in
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
@@ -21,12 +22,9 @@ def test_refusals_are_logged_up_to_a_limit_and_never_for_a_full_study(
             error = kind("No.", "Try again.")
             log_refusal(participant.database, token, "answers", error, participant.clock)
 
-    with participant.database.reading() as session:
-        lines = session.scalars(select(RefusalLine).order_by(RefusalLine.id))
-        assert [(line.study_session_id, line.kind) for line in lines] == [
-            *[(1, "stale-page")] * 3,
-            *[(None, "unknown-address")] * 3,
-        ]
+    lines = found_in(participant.database, select(RefusalLine).order_by(RefusalLine.id))
+    logged = [(line.study_session_id, line.kind) for line in lines]
+    assert logged == [(1, "stale-page")] * 3 + [(None, "unknown-address")] * 3
 
 
 def test_a_refusal_that_cannot_be_logged_is_still_a_refusal(

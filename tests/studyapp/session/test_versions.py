@@ -19,6 +19,7 @@ from studyapp.session.versions import needs_new_version, open_study
 from tests.support.read_once import read_once
 from tests.support.studies.added_condition import add_condition, make_videos_anew
 from tests.support.studies.redefining import redefine
+from tests.support.studies.stored import found_in
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 Change = Callable[..., ServedStudy]
@@ -36,13 +37,11 @@ def change(tiny_study: Path) -> Change:
 
 
 def versions(database: Database) -> list[StudyVersion]:
-    with database.reading() as session:
-        return list(session.scalars(select(StudyVersion).order_by(StudyVersion.number)))
+    return list(found_in(database, select(StudyVersion).order_by(StudyVersion.number)))
 
 
 def audit(database: Database) -> list[tuple[str, str]]:
-    with database.reading() as session:
-        return [(line.event, line.detail) for line in session.scalars(select(AuditLine))]
+    return [(line.event, line.detail) for line in found_in(database, select(AuditLine))]
 
 
 def test_an_unused_design_may_change_and_its_old_server_admits_nobody(
@@ -53,8 +52,7 @@ def test_an_unused_design_may_change_and_its_old_server_admits_nobody(
         for opening in [pool.submit(open_study, database, served, clock) for _ in range(4)]:
             opening.result()
     assert [version.number for version in versions(database)] == [1]
-    with database.reading() as session:
-        assert sorted(session.scalars(select(Place.number))) == [0, 1, 2, 3]
+    assert sorted(found_in(database, select(Place.number))) == [0, 1, 2, 3]
 
     changed = change("trials = 4", "trials = 3")
     open_study(database, changed, clock)
@@ -159,8 +157,7 @@ def test_operational_settings_may_change_and_are_logged(
             "page.minutes: 10 -> 12; participants_per_comparison: 4 -> 6",
         )
     ]
-    with participant.database.reading() as session:
-        assert len(session.scalars(select(Place)).all()) == 6
+    assert len(found_in(participant.database, select(Place))) == 6
     assert later.trial().position == 1
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
-from typing import TypeVar
 
 from bs4 import Tag
 from flask import Flask
@@ -14,20 +13,19 @@ from werkzeug.test import TestResponse
 from studyapp.database.tables.study_session import Place, StudySession
 from studyapp.web.site import site_of
 from tests.studyapp.web.page_reader import PageReader
+from tests.support.studies.stored import Found, found_in
 from tests.support.studies.taking_part_steps import SetClock
 
 ANSWERS = {"rhythm": "1", "emotion": "-2"}
 WATCHED = {"batch": 0, "intervals": [[0.0, 2.0]]}
-Stored = TypeVar("Stored")
 
 MOST_PAGES = 60
 """More than any study of the tests has."""
 
 
-def stored_in(app: Flask, query: Select[Stored]) -> Sequence[Stored]:
+def stored_in(app: Flask, query: Select[Found]) -> Sequence[Found]:
     """Return the first column of what `query` finds in the database of `app`."""
-    with site_of(app).database.reading() as session:
-        return session.scalars(query).all()
+    return found_in(site_of(app).database, query)
 
 
 class Visitor:

@@ -1,13 +1,13 @@
 """The whole content of a database, to check whether anything was stored or changed."""
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from sqlalchemy import select
+from sqlalchemy import Select, select
 from sqlalchemy.orm import Session
 
 from studyapp.database.engine import Database, sqlite_url
@@ -15,10 +15,17 @@ from studyapp.database.tables.base import Base
 from studyapp.database.tables.study_session import RefusalLine
 from studyapp.session.form_answers import COUNTS
 
+Found = TypeVar("Found")
 MAY_CHANGE: Final = frozenset(
     {"last_active_at", "sound_tries", *(column.key for column in COUNTS.values())}
 )
 """Columns that a refusal may change: activity, sound checks tried, and counts of screen-outs."""
+
+
+def found_in(database: Database, query: Select[Found]) -> Sequence[Found]:
+    """Return the first column of what `query` finds."""
+    with database.reading() as session:
+        return session.scalars(query).all()
 
 
 def everything_stored(database: Database) -> dict[str, str]:

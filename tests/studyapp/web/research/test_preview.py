@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from flask import Flask
-from sqlalchemy import func, select
+from sqlalchemy import select
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables.base import Base
@@ -20,7 +20,7 @@ from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.studyapp.web.visitor import Visitor
 from tests.support.researcher_accounts import joined
 from tests.support.studies.finished_study import PROTOCOLS
-from tests.support.studies.stored import opened
+from tests.support.studies.stored import found_in, opened
 from tests.support.studies.taking_part_steps import SetClock
 
 OWN = ("action", "src", "data-watched-url", "data-watched", "data-following", "data-next-batch")
@@ -38,13 +38,9 @@ def open_as_owner(app: Flask) -> tuple[ResearchBrowser, Database]:
     return browser, database
 
 
-def rows(database: Database) -> dict[str, int | None]:
-    with database.reading() as session:
-        return {
-            table.name: session.scalar(select(func.count()).select_from(table))
-            for table in Base.metadata.sorted_tables
-            if table.name not in CHANGED_BY_LOGGING_IN
-        }
+def rows(database: Database) -> dict[str, int]:
+    tables = (t for t in Base.metadata.sorted_tables if t.name not in CHANGED_BY_LOGGING_IN)
+    return {table.name: len(found_in(database, select(table))) for table in tables}
 
 
 def trial_part(page: PageReader) -> str:
