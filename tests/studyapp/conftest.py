@@ -104,8 +104,8 @@ def _rendering_in_process() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(scope="session")
-def cheap_passwords() -> Iterator[None]:
+@pytest.fixture(scope="session", autouse=True)
+def _cheap_passwords() -> Iterator[None]:
     """Hash passwords of researchers at next to no cost."""
     with pytest.MonkeyPatch.context() as patch:
         cheap = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)

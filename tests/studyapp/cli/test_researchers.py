@@ -1,7 +1,6 @@
 from pathlib import Path
 
 import pyotp
-import pytest
 
 from studyapp.clock import Clock
 from studyapp.researchers.account import list_accounts
@@ -11,8 +10,6 @@ from studyapp.researchers.logins import log_in
 from tests.support.command_line import run
 from tests.support.researcher_accounts import PASSWORD
 from tests.support.studies.stored import opened
-
-pytestmark = pytest.mark.usefixtures("cheap_passwords")
 
 
 def researchers(study: Path, *arguments: str, status: int = 0) -> str:

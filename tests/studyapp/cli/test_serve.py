@@ -44,7 +44,7 @@ def test_links_start_with_the_public_address_or_the_servers_own(
     assert "at https://study.example.org/studies/one/research/join/" in output
 
 
-@pytest.mark.usefixtures("started", "cheap_passwords")
+@pytest.mark.usefixtures("started")
 def test_serving_prints_a_link_until_there_is_an_owner(tiny_study: Path) -> None:
     assert "/research/join/" in run("serve", tiny_study)
     token = run("serve", tiny_study).partition("/research/join/")[2].split()[0]

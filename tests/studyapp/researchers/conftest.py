@@ -14,11 +14,6 @@ from tests.support.studies.taking_part_steps import SetClock
 NEW = "seven quiet bicycles"
 
 
-@pytest.fixture(autouse=True)
-def hashing_costs_little(cheap_passwords: None) -> None:
-    """Spare these tests the cost of real hashes."""
-
-
 @dataclass(frozen=True)
 class Door:
     """The accounts of a study, whose first owner is Ada, on a clock that the test moves."""

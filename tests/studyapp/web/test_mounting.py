@@ -21,7 +21,6 @@ def strays(page: PageReader) -> list[str]:
     return [each for each in values if each[:1] == "/" and not each.startswith(f"{PREFIX}/")]
 
 
-@pytest.mark.usefixtures("cheap_passwords")
 def test_researchers_reach_every_page_below_the_path(serve: Serve, clock: SetClock) -> None:
     below = serve(prefix=f"{PREFIX}/")
     token = first_owner_link(site_of(below).database, clock)

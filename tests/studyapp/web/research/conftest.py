@@ -28,11 +28,6 @@ class LogIn:
         return opened
 
 
-@pytest.fixture(autouse=True)
-def hashing_costs_little(cheap_passwords: None) -> None:
-    """Spare these tests the cost of real hashes."""
-
-
 @pytest.fixture
 def stored(app: Flask) -> Database:
     """Return the database that the pages show."""
