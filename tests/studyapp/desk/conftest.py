@@ -12,6 +12,7 @@ from flask import Flask
 from studyapp.desk.lab import ACCOUNTS, Lab, LabStudy
 from studyapp.desk.server import create_desk, open_desk
 from studyapp.researchers.account import Role
+from studyapp.researchers.audit import event_label, latest_changes
 from studyapp.researchers.links import invite
 from studyapp.session.enrolment import Arrival, enrol
 from tests.studyapp.web.research.research_browser import ResearchBrowser
@@ -21,9 +22,17 @@ Researcher = Callable[..., ResearchBrowser]
 Joined = Callable[[Role], ResearchBrowser]
 
 
-@pytest.fixture(autouse=True)
-def hashing_costs_little(cheap_passwords: None) -> None:
-    """Spare these tests the cost of real hashes."""
+def changes(study: LabStudy) -> list[tuple[str, str, str]]:
+    """Return who changed what in the study, the newest first."""
+    lines = latest_changes(study.database)
+    return [(line.researcher, event_label(line), line.detail) for line in lines]
+
+
+def first_question(study: LabStudy) -> str:
+    """Return the text of the first question that the study serves."""
+    served = study.served()
+    assert served is not None
+    return served.study.questions[0].text
 
 
 @pytest.fixture(autouse=True)

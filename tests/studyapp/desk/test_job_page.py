@@ -9,8 +9,8 @@ import pytest
 from studyapp.desk.job_kinds import RUN, SHARED, TAKE_HOME
 from studyapp.desk.jobs import Job
 from studyapp.desk.lab import LabStudy
-from studyapp.researchers.audit import event_label, latest_changes, latest_looks
-from tests.studyapp.desk.conftest import Joined
+from studyapp.researchers.audit import latest_looks
+from tests.studyapp.desk.conftest import Joined, changes
 from tests.studyapp.desk.job_watching import SLOW, begin, wait_until_ended
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.studies.answered_study import answer_study
@@ -18,11 +18,6 @@ from tests.support.studies.redefining import redefine
 
 TINY = "/research/studies/tiny/"
 JOBS = f"{TINY}jobs/"
-
-
-def changes(tiny: LabStudy) -> list[tuple[str, str, str]]:
-    lines = latest_changes(tiny.database)
-    return [(line.researcher, event_label(line), line.detail) for line in lines]
 
 
 def write_earlier_results(tiny: LabStudy) -> None:
@@ -156,16 +151,15 @@ def test_answers_before_the_end_require_a_reason(tiny: LabStudy, ada: ResearchBr
     assert not [event for _, event, _ in changes(tiny) if event in ("job started", "downloaded")]
     ada.post(f"{TINY}open", way="results")
     results_page = "/tiny/research/results"
-    code = str(ada.get(results_page).soup.select("main [name=form_code]")[0]["value"])
-    fields = {"form_code": code, "reason": "The ethics board asks"}
-    assert ada.client.post(results_page, data=fields).status_code == 303
+    code = ada.get(results_page).value("main [name=form_code]", "value")
+    reason = "The ethics board asks"
+    assert ada.post(results_page, form_code=code, reason=reason).status_code == 303
     assert ada.post(f"{JOBS}tables").status_code == 303
     standing = wait_until_ended(tiny.folder.jobs, "tables")
     assert (standing.state, standing.job.status, standing.job.by) == ("done", 0, "Ada")
     assert standing.job.ended_at is not None
     newest = latest_looks(tiny.database)[0]
-    look = (newest.way, newest.researcher, newest.reason)
-    assert look == ("export", "Ada", "The ethics board asks")
+    assert (newest.way, newest.researcher, newest.reason) == ("export", "Ada", reason)
     with ada.client.get(f"{JOBS}tables/archive") as archive:
         assert "filename=tiny-tables.zip" in archive.headers["Content-Disposition"]
         with ZipFile(io.BytesIO(archive.data)) as unpacked:

@@ -11,15 +11,10 @@ from studyapp.desk.server import raise_alarms_of_studies
 from studyapp.monitoring.alarms import WEBHOOK, AlarmChannels
 from studyapp.session.enrolment import add_newcomer
 from studyapp.session.intake import change_intake
+from tests.studyapp.desk.conftest import first_question
 from tests.support.studies.redefining import redefine
 
 AGAIN = ("fit the rhythm of the speech better", "follow the speech better")
-
-
-def first_question(study: LabStudy) -> str:
-    served = study.served()
-    assert served is not None
-    return served.study.questions[0].text
 
 
 def test_a_study_is_in_preparation_until_its_videos_exist(tiny: LabStudy) -> None:

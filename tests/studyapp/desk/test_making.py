@@ -21,8 +21,7 @@ MAKE = "/research/make/study"
 
 def filled_in(page: PageReader) -> dict[str, str]:
     """Return what a browser would send of the unchanged form, without rows of conditions."""
-    form = page.soup.select_one("form.questions")
-    assert form is not None
+    form = page.one("form.questions")
     sent = {}
     for field in form.select("input[name]"):
         kind = field.get("type")
@@ -76,13 +75,9 @@ def test_the_forms_values_are_written_into_the_study_file(lab: Lab, grace: Resea
         "contact": "lab@example.org",
         "question-synchronisation": 'Which gestures "fit" better?',
     }
-    data: dict[str, str | list[str]] = {
-        **fields,
-        "form_code": grace.code(),
-        "condition": ["ground_truth", "ours", "chance", ""],
-        "source": ["files", "files", "mismatched:ground_truth", "files"],
-    }
-    assert grace.client.post(MAKE, data=data).status_code == 303
+    conditions = ["ground_truth", "ours", "chance", ""]
+    sources = ["files", "files", "mismatched:ground_truth", "files"]
+    assert grace.post(MAKE, **fields, condition=conditions, source=sources).status_code == 303
     study = read_study(lab.folder / "own" / "study.toml")
     assert isinstance(study, PairwiseStudy)
     assert list(study.conditions) == ["ground_truth", "ours", "chance"]
@@ -115,11 +110,10 @@ def test_mistakes_are_reported_and_nothing_is_created(
     fields = filled_in(grace.get(f"{MAKE}?template=pairwise&language=en"))
     answer = grace.post(MAKE, **fields | {"name": "new", "ethics": "Kept words"} | wrong)
     assert answer.status_code == 422
-    problem = PageReader(answer.text).soup.select_one(".problem")
-    assert problem is not None
-    assert message in problem.text.lower()
-    assert ". ." not in problem.text
-    assert "(line " not in problem.text, "there is no file yet"
+    problem = PageReader(answer.text).words(".problem")
+    assert message in problem.lower()
+    assert ". ." not in problem
+    assert "(line " not in problem, "there is no file yet"
     assert "Kept words" in answer.text
     assert {each.name for each in lab.folder.iterdir()} == before
 

@@ -14,10 +14,9 @@ from studyapp.desk.job_kinds import RECORD
 from studyapp.desk.jobs import no_other_job
 from studyapp.desk.lab import Lab, LabStudy
 from studyapp.desk.material_page import Material
-from studyapp.researchers.audit import event_label, latest_changes
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ClipVideo, read_stimuli, write_stimuli
-from tests.studyapp.desk.conftest import Joined
+from tests.studyapp.desk.conftest import Joined, changes
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.studies.takes import write_motion
@@ -43,8 +42,7 @@ def folder(lab: Lab) -> StudyFolder:
 
 def cells(page: PageReader) -> dict[tuple[str, str], str]:
     """Return the text of each cell of the table."""
-    table = page.soup.select_one("table.material")
-    assert table is not None
+    table = page.one("table.material")
     _, _, *conditions = [each.text for each in table.select("thead th")]
     table_cells = {}
     for row in table.select("tbody tr"):
@@ -121,13 +119,10 @@ def test_only_motion_that_is_there_is_offered_in_3d(
     assert "no motion to turn around" in still.text
 
 
-@pytest.mark.parametrize(
-    "where", ["no_such", "..", "take-3/motion/0", "take-0/no_such.mp4", "take-3/rule_based.mp4"]
-)
-def test_only_the_studys_own_clips_are_served(
-    folder: StudyFolder, ada: ResearchBrowser, where: str
-) -> None:
-    ada.get(f"{MATERIAL}/{where}", 404)
+@pytest.mark.usefixtures("folder")
+def test_only_the_studys_own_clips_are_served(ada: ResearchBrowser) -> None:
+    for where in ("no_such", "..", "take-3/motion/0", "take-0/none.mp4", "take-3/rule_based.mp4"):
+        ada.get(f"{MATERIAL}/{where}", 404)
 
 
 def test_a_file_is_deleted_after_confirmation(
@@ -146,18 +141,17 @@ def test_a_file_is_deleted_after_confirmation(
     write_motion(path, 2.0)
     os.utime(path, (1, 1))
     assert "damaged" not in ada.get(f"{MATERIAL}/take-1").text
-    newest = latest_changes(tiny.database)[0]
-    assert (event_label(newest), newest.detail) == (
-        "material removed",
-        "motion/mismatched/take-1.npz",
-    )
+    assert changes(tiny)[0] == ("Ada", "material removed", "motion/mismatched/take-1.npz")
 
 
 def test_a_segment_is_removed_with_all_that_belongs_to_it(
     tiny: LabStudy, folder: StudyFolder, ada: ResearchBrowser
 ) -> None:
     write_motion(folder.clip("broken", "take-0"), 2.0)
-    write_finished(folder, "take-0", "take-0@take-1", "take-1@take-0", "take-01", "take-0.1")
+    theirs = folder.videos / "theirs"
+    theirs.mkdir()
+    for name in ("take-0", "take-0@take-1", "take-1@take-0", "take-01", "take-0.1"):
+        (theirs / f"{name}.mp4").touch()
     (other,) = (clip for clip in folder.root.glob("motion/*/*.npz") if clip.stem != "take-0")
     stimuli = read_stimuli(folder.stimuli)
     row = ada.get(MATERIAL).soup.select("tbody th a")[0]
@@ -168,22 +162,14 @@ def test_a_segment_is_removed_with_all_that_belongs_to_it(
     for video in (*stimuli.clips, *stimuli.pairs):
         assert (folder.root / video.file).exists() is (video.segment != "take-0"), video
     assert list(folder.root.glob("motion/*/*.npz")) == [other]
-    assert {path.stem for path in (folder.videos / "theirs").iterdir()} == {"take-01", "take-0.1"}
-    newest = latest_changes(tiny.database)[0]
-    assert (event_label(newest), newest.detail) == ("material removed", "segment take-0")
+    assert {path.stem for path in theirs.iterdir()} == {"take-01", "take-0.1"}
+    assert changes(tiny)[0] == ("Ada", "material removed", "segment take-0")
     # Speech remains for as long as a segment uses it, and one segment always does.
     for name in ("take-1", "take-2"):
         assert ada.post(f"{MATERIAL}/{name}/remove", sure="on").status_code == 303
     answer = ada.post(f"{MATERIAL}/take-3/remove", sure="on")
     assert (answer.status_code, "The last segment cannot be removed" in answer.text) == (409, True)
     assert (folder.speech / "take.wav").exists()
-
-
-def write_finished(folder: StudyFolder, *names: str) -> None:
-    for name in names:
-        path = folder.videos / "theirs" / f"{name}.mp4"
-        path.parent.mkdir(exist_ok=True)
-        path.touch()
 
 
 def test_what_participants_see_stays_and_what_came_by_mistake_goes(

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from studyapp.desk.lab import Lab, LabStudy
-from studyapp.researchers.audit import event_label, latest_changes
-from tests.studyapp.desk.conftest import Joined
+from tests.studyapp.desk.conftest import Joined, changes, first_question
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 
@@ -21,7 +20,7 @@ def file(lab: Lab) -> Path:
 
 
 def digest_of(page: PageReader) -> str:
-    return str(page.soup.select_one("[name=seen]")["value"])  # type: ignore[index]
+    return page.value("[name=seen]", "value")
 
 
 def test_the_file_is_saved_as_typed(tiny: LabStudy, ada: ResearchBrowser, file: Path) -> None:
@@ -31,8 +30,7 @@ def test_the_file_is_saved_as_typed(tiny: LabStudy, ada: ResearchBrowser, file: 
     assert answer.status_code == 303
     assert file.read_text("utf-8") == text.rstrip() + "\n"
     assert "Gestures – once more" in ada.get("/research/").text
-    newest = latest_changes(tiny.database)[0]
-    assert (newest.researcher, event_label(newest)) == ("Ada", "study file edited")
+    assert changes(tiny)[0][:2] == ("Ada", "study file edited")
 
 
 def test_an_invalid_file_is_not_saved_and_its_line_is_shown(
@@ -43,9 +41,9 @@ def test_an_invalid_file_is_not_saved_and_its_line_is_shown(
     answer = ada.post(SETTINGS, text=text, seen=digest_of(page))
     assert answer.status_code == 422
     again = PageReader(answer.text)
-    assert again.soup.select_one("[data-line='1']") is not None
+    assert again.soup.select("[data-line='1']")
     assert "did you mean" in answer.text
-    assert "seeed = 3" in again.soup.select_one("textarea").text  # type: ignore[union-attr]
+    assert "seeed = 3" in again.words("textarea")
     assert file.read_text("utf-8") == before
     # A file that somebody breaks on the server does not hide its study.
     file.write_text(text, "utf-8")
@@ -78,12 +76,9 @@ def test_changing_the_design_while_people_take_part_makes_a_new_version(
     assert "only owners begin a new version" in by_analyst.text
     assert file.read_text("utf-8") == before
     assert ada.post(SETTINGS, **fields, new_version="").status_code == 303
-    now = taken.served()
-    assert now is not None
-    assert now.study.questions[0].text.endswith("follow the speech better?")
+    assert first_question(taken).endswith("follow the speech better?")
     assert taken.standing().problem is None
-    newest = latest_changes(taken.database)[0]
-    assert (newest.researcher, event_label(newest)) == ("Ada", "new version")
+    assert changes(taken)[0][:2] == ("Ada", "new version")
 
 
 def test_a_study_whose_alarms_cannot_be_sent_is_not_served_and_says_why(

@@ -26,7 +26,7 @@ class ResearchBrowser:
         answer = self.client.get(LOGIN, follow_redirects=True)
         return PageReader(answer.text).soup.select("[name=form_code]")[0]["value"]  # type: ignore[return-value]
 
-    def post(self, address: str, **fields: str) -> TestResponse:
+    def post(self, address: str, **fields: str | list[str]) -> TestResponse:
         """Send a form as its page would."""
         return self.client.post(address, data={"form_code": self.code(), **fields})
 
