@@ -111,14 +111,9 @@ def lapsed(visitor: Visitor) -> None:
 
 
 OVER: list[tuple[Callable[[Visitor], Any], int]] = [
-    (settled, 0),
-    (completed, 0),
+    *((happens, 0) for happens in (settled, completed, withdrawn, lapsed, Visitor.page)),
     (completed, 5),
-    (withdrawn, 0),
-    (lapsed, 0),
-    (Visitor.page, 0),
-    (Visitor.begin, 2),
-    (Visitor.begin, 5),
+    *((Visitor.begin, index) for index in (2, 5)),
 ]
 """What happens, and which trial's video is not to be had then."""
 

@@ -1,7 +1,6 @@
 """Where participants come from: admission, and the way back."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -30,23 +29,13 @@ BY_PROLIFIC = "?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=x1"
 BY_MTURK = "?workerId=w1&hitId=h1&assignmentId=a1&turkSubmitTo=https%3A%2F%2Fwww.mturk.com"
 PREVIEW = "?assignmentId=ASSIGNMENT_ID_NOT_AVAILABLE&hitId=h1"
 
-ServeWith = Callable[[str], Flask]
-
-
-@pytest.fixture
-def serve_with(serve: Serve) -> ServeWith:
-    """Return a function that serves the study with more in its file."""
-    return lambda more: serve(added=more)
-
 
 def shown_code(page: PageReader) -> str:
     return page.one("#completion-code").get_text(strip=True)
 
 
-def test_finishing_returns_to_prolific_with_the_code(
-    serve_with: ServeWith, clock: SetClock
-) -> None:
-    visitor = Visitor(serve_with(PROLIFIC), clock).enrol(BY_PROLIFIC)
+def test_finishing_returns_to_prolific_with_the_code(serve: Serve, clock: SetClock) -> None:
+    visitor = Visitor(serve(added=PROLIFIC), clock).enrol(BY_PROLIFIC)
     for page in visitor.begin().take_trials():
         assert all(code not in page.text for code in CODES.values())
 
@@ -80,9 +69,9 @@ def test_whoever_finished_by_an_open_link_is_not_asked_to_return_that_place(
 
 
 def test_failed_attention_checks_are_counted_from_the_answers(
-    serve_with: ServeWith, clock: SetClock
+    serve: Serve, clock: SetClock
 ) -> None:
-    app = serve_with(f"{PROLIFIC}[attention]\ntrials = 2\n")
+    app = serve(added=f"{PROLIFIC}[attention]\ntrials = 2\n")
     visitor = Visitor(app, clock).enrol(BY_PROLIFIC)
     page = visitor.begin().page()
     while not page.soup.select("#completion-code"):
@@ -98,9 +87,9 @@ def test_failed_attention_checks_are_counted_from_the_answers(
 
 
 def test_knowing_somebodys_prolific_name_does_not_give_their_study_session(
-    serve_with: ServeWith, clock: SetClock
+    serve: Serve, clock: SetClock
 ) -> None:
-    app = serve_with(PROLIFIC)
+    app = serve(added=PROLIFIC)
     owner = Visitor(app, clock).enrol(BY_PROLIFIC)
     stranger = app.test_client()
 
@@ -118,14 +107,14 @@ def test_knowing_somebodys_prolific_name_does_not_give_their_study_session(
 
 
 def test_with_signed_links_unsigned_names_are_ignored(
-    serve_with: ServeWith, monkeypatch: pytest.MonkeyPatch
+    serve: Serve, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fake_signed_names(signed: str, host: str) -> dict[str, str] | None:
         assert host == "study.example.org"
         return {"PROLIFIC_PID": "P1", "SESSION_ID": "x1"} if signed == "signed" else None
 
     monkeypatch.setattr("studyapp.web.participants.recruiter_names.signed_names", fake_signed_names)
-    app = serve_with(PROLIFIC + 'signed_for = "study.example.org"\n')
+    app = serve(added=PROLIFIC + 'signed_for = "study.example.org"\n')
     client, stranger = app.test_client(), app.test_client()
 
     page = PageReader(client.get("/?prolific_token=signed&PROLIFIC_PID=victim").text)
@@ -141,9 +130,9 @@ def test_with_signed_links_unsigned_names_are_ignored(
     assert stored_in(app, select(StudySession.recruiter_participant)) == ["p1"]
 
 
-def test_a_study_without_its_recruiters_codes_is_not_served(serve_with: ServeWith) -> None:
+def test_a_study_without_its_recruiters_codes_is_not_served(serve: Serve) -> None:
     with pytest.raises(InputError, match="no code for"):
-        serve_with(PROLIFIC.replace("failed_attention", "# failed_attention"))
+        serve(added=PROLIFIC.replace("failed_attention", "# failed_attention"))
 
 
 OTHER_SITES = (
@@ -164,9 +153,9 @@ OTHER_SITES = (
     ids=["prolific", "invitations", "other sites", "mturk"],
 )
 def test_people_without_the_channels_name_are_refused(
-    serve_with: ServeWith, channel: str, addresses: list[str]
+    serve: Serve, channel: str, addresses: list[str]
 ) -> None:
-    app = serve_with(channel)
+    app = serve(added=channel)
     client = app.test_client()
 
     for query in addresses:
@@ -178,25 +167,23 @@ def test_people_without_the_channels_name_are_refused(
 
 
 @pytest.mark.parametrize("name", ["x" * 201, "a%20b", "%E2%80%8B"])
-def test_a_malformed_recruiter_name_is_refused(serve_with: ServeWith, name: str) -> None:
-    answer = serve_with(PROLIFIC).test_client().get(f"/?PROLIFIC_PID={name}")
+def test_a_malformed_recruiter_name_is_refused(serve: Serve, name: str) -> None:
+    answer = serve(added=PROLIFIC).test_client().get(f"/?PROLIFIC_PID={name}")
 
     assert answer.status_code == 422
     assert "participant ID that cannot be used" in answer.text
 
 
-def test_a_recruiters_preview_cannot_be_started(serve_with: ServeWith) -> None:
-    answer = serve_with(MTURK).test_client().get(f"/{PREVIEW}")
+def test_a_recruiters_preview_cannot_be_started(serve: Serve) -> None:
+    answer = serve(added=MTURK).test_client().get(f"/{PREVIEW}")
 
     assert answer.status_code == 200
     assert "preview" in answer.text
     assert PageReader(answer.text).soup.select("form, script") == []
 
 
-def test_screened_out_people_get_the_code_and_cannot_change_their_answer(
-    serve_with: ServeWith,
-) -> None:
-    app = serve_with(PROLIFIC + FORM)
+def test_screened_out_people_get_the_code_and_cannot_change_their_answer(serve: Serve) -> None:
+    app = serve(added=PROLIFIC + FORM)
     client = app.test_client()
     first = PageReader(client.get(f"/{BY_PROLIFIC}").text)
     assert CODES["screened_out"] not in first.text
@@ -222,9 +209,9 @@ def test_screened_out_people_get_the_code_and_cannot_change_their_answer(
 
 
 def test_a_worker_comes_back_by_another_assignment_of_the_study(
-    serve_with: ServeWith, clock: SetClock
+    serve: Serve, clock: SetClock
 ) -> None:
-    app = serve_with(MTURK)
+    app = serve(added=MTURK)
     first = Visitor(app, clock).enrol(BY_MTURK)
     other = BY_MTURK.replace("h1", "h2").replace("a1", "a2")
     clock.advance(minutes=46)
@@ -250,9 +237,9 @@ def test_a_worker_comes_back_by_another_assignment_of_the_study(
 
 
 def test_an_invitation_admits_one_person_and_viewing_it_does_not_use_it_up(
-    serve_with: ServeWith, clock: SetClock
+    serve: Serve, clock: SetClock
 ) -> None:
-    app = serve_with(INVITATIONS + COMPREHENSION)
+    app = serve(added=INVITATIONS + COMPREHENSION)
     (token,) = make_invitations(site_of(app).database, 1, clock)
     query = f"?invitation={token}"
     for _ in range(3):

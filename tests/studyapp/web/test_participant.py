@@ -36,19 +36,12 @@ def test_a_trial_names_its_emotion_and_preselects_nothing(app: Flask, visitor: V
 
 
 INVALID_REPORTS: list[object] = [
-    None,
-    [],
-    {"batch": 0},
-    {"batch": -1, "intervals": []},
-    {"batch": "0", "intervals": []},
-    {"batch": 0, "intervals": [[0.0]]},
-    {"batch": 0, "intervals": [["a", "b"]]},
+    *(None, [], {"batch": 0}),
+    *({"batch": batch, "intervals": []} for batch in (-1, "0")),
+    *({"batch": 0, "intervals": [each]} for each in ([0.0], ["a", "b"], [-1.0, 1.0], [1.0, 0.5])),
     {"batch": 0, "intervals": [[0.0, float("nan")]]},
-    {"batch": 0, "intervals": [[-1.0, 1.0]]},
     {"batch": 0, "intervals": [[0.0, 0.1]] * 201},
-    {"batch": 0, "intervals": [[1.0, 0.5]]},
-    {"batch": 0, "intervals": [], "rate": 0},
-    {"batch": 0, "intervals": [], "rate": float("inf")},
+    *({"batch": 0, "intervals": [], "rate": rate} for rate in (0, float("inf"))),
     {"batch": 0, "intervals": [], "hidden_seconds": -1},
     {"batch": 0, "intervals": [], "silent_seconds": 1e9},
     {"batch": 0, "intervals": [], "stalls": 0.5},
@@ -80,6 +73,7 @@ MISMATCHED = (
 )
 FACE = ("In which video do the gestures fit", "In which video do face and lips fit")
 ANOTHER = '\n[[questions]]\nname = "speed"\ntitle = "Speed"\ntext = "Which is calmer?"\n'
+KEPT_STILL = "Kept still on purpose in every video: the face and whole-body movement"
 FROZEN = ('title = "G', 'freeze = ["face", "root"]\ntitle = "G')
 
 
@@ -89,14 +83,7 @@ FROZEN = ('title = "G', 'freeze = ["face", "root"]\ntitle = "G')
         ((GENERATED, MISMATCHED), ("made by a computer", "gestures, not the face"), "kept still"),
         ((GENERATED,), (), "made by a computer"),
         ((FACE,), ("Judge how the speaker moves",), "not the face"),
-        (
-            (FROZEN,),
-            (
-                "Some pairs come more than once",
-                "Kept still on purpose in every video: the face and whole-body movement",
-            ),
-            "practice",
-        ),
+        ((FROZEN,), ("Some pairs come more than once", KEPT_STILL), "practice"),
     ],
     ids=["generated", "brought", "face", "frozen"],
 )

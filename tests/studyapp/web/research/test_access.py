@@ -15,6 +15,7 @@ from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import LOGIN, ResearchBrowser
 from tests.studyapp.web.visitor import Visitor
 from tests.support.researcher_accounts import PASSWORD
+from tests.support.studies.stored import filled
 
 ROLES = ("nobody", "viewer", "analyst", "owner")
 
@@ -158,18 +159,8 @@ def test_a_stored_script_is_escaped(log_in: LogIn) -> None:
     with log_in.stored.writing() as session:
         study_session = session.get_one(StudySession, 1)
         study_session.recruiter_participant = study_session.recruiter_study = SCRIPT
-        session.add(
-            RefusalLine(study_session_id=1, at=log_in.clock.now(), kind="odd", detail=SCRIPT)
-        )
-        session.add(
-            FormAnswer(
-                study_session_id=1,
-                stage="closing",
-                question="remarks",
-                value=SCRIPT,
-                answered_at=log_in.clock.now(),
-            )
-        )
+        session.add(filled(RefusalLine, study_session_id=1, detail=SCRIPT))
+        session.add(filled(FormAnswer, study_session_id=1, stage="closing", value=SCRIPT))
 
     shown = set()
     pages = {PLACE.sub("1", rule) for method, rule in MAY if method == "GET"}

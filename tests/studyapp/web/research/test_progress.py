@@ -157,8 +157,7 @@ def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(log_in: LogI
     assert changes == [(*each, "Charles") for each in states]
 
 
-ONE = "/research/study-sessions/1"
-LIST = "/research/study-sessions"
+ONE = f"{LIST}/1"
 SCRIPT = "<script>alert(1)</script>"
 
 
