@@ -62,13 +62,7 @@ def write_recordings(folder: Path, *, seconds: float) -> list[Path]:
 
 
 def walk_the_desk(
-    page: Page,
-    visitor: Page,
-    link: str,
-    recordings: list[Path],
-    *,
-    participants: int,
-    size: int,
+    page: Page, visitor: Page, link: str, recordings: list[Path], *, participants: int, size: int
 ) -> Iterator[Stop]:
     """Go the whole way, and give each stop while its page is shown.
 

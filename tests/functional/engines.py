@@ -38,10 +38,7 @@ PAINTED: Final = """
 
 MINI_BROWSER: Final = "/usr/lib/x86_64-linux-gnu/webkit2gtk-4.1/MiniBrowser"
 
-PROGRAMS: Final = {
-    "firefox": ("firefox-esr",),
-    "webkit": ("WebKitWebDriver", "Xvfb", MINI_BROWSER),
-}
+PROGRAMS: Final = {"firefox": ("firefox-esr",), "webkit": ("WebKitWebDriver", "Xvfb", MINI_BROWSER)}
 """The programs that each engine needs."""
 
 

@@ -20,12 +20,7 @@ from tests.support.studies.finished_study import (
 )
 from tests.support.studies.form_questions import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
 from tests.support.studies.redefining import redefine
-from tests.support.studies.tiny_study import (
-    BACKGROUND,
-    FRAME_RATE,
-    write_tiny_study,
-    write_video,
-)
+from tests.support.studies.tiny_study import BACKGROUND, FRAME_RATE, write_tiny_study, write_video
 
 SIZE: Final = 360
 
@@ -76,8 +71,7 @@ STUDIES: Final[Mapping[str, Keys]] = {
                 reasons=REASONS,
             ),
             question(
-                "emotion",
-                "In which video do the gestures show better what the speaker feels?",
+                "emotion", "In which video do the gestures show better what the speaker feels?"
             ),
         ],
         "form": FORMS,

@@ -48,9 +48,7 @@ def proxied(
         yield served
 
 
-def test_a_participant_answers_and_the_proxy_reveals_and_logs_nothing(
-    proxied: Proxied,
-) -> None:
+def test_a_participant_answers_and_the_proxy_reveals_and_logs_nothing(proxied: Proxied) -> None:
     with proxied.client() as client:
         participant = HttpParticipant(client, proxied.address, pages=PAGES)
         page = client.get(participant.address)

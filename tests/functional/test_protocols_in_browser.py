@@ -73,9 +73,7 @@ def expect_code(page: Page, database: Database, *, answers: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("served", "trials", "answers"),
-    [("ranking", 1, 2), ("mismatch", 2, 2)],
-    indirect=["served"],
+    ("served", "trials", "answers"), [("ranking", 1, 2), ("mismatch", 2, 2)], indirect=["served"]
 )
 def test_a_study_session_from_consent_to_code(
     page: Page, served: Served, trials: int, answers: int

@@ -4,11 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from motion.errors import InputError
-from studyapp.researchers.interim_figures import (
-    TIMEOUT_SECONDS,
-    FigureKind,
-    FigureProcess,
-)
+from studyapp.researchers.interim_figures import TIMEOUT_SECONDS, FigureKind, FigureProcess
 from studyapp.results.looks import figures_so_far
 from studyapp.side_process import SideProcessError
 from studyapp.study.folder import StudyFolder

@@ -14,9 +14,7 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-def test_the_demo_has_a_sentence_per_emotion_and_resumes(
-    tmp_path: Path,
-) -> None:
+def test_the_demo_has_a_sentence_per_emotion_and_resumes(tmp_path: Path) -> None:
     folder = StudyFolder(tmp_path / "demo-study")
     assert prepare_demo(folder)
     segments = folder.segments()

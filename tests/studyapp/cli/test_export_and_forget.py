@@ -69,9 +69,7 @@ def test_erasing_again_rewrites_the_files(study: Path, monkeypatch: pytest.Monke
     assert len(cleared) == 2
 
 
-def test_a_participant_is_found_by_a_pseudonym_from_an_earlier_export(
-    study: Path,
-) -> None:
+def test_a_participant_is_found_by_a_pseudonym_from_an_earlier_export(study: Path) -> None:
     run("export", study, "--with-recruiter-ids")
     pseudonym = (study / "recruiter_ids.csv").read_text().splitlines()[1].split(",")[0]
 

@@ -48,9 +48,7 @@ def test_a_note_is_printed_once_with_the_number_of_files(tmp_path: Path) -> None
     assert "(and 2 other files)" in shown
 
 
-def test_a_missing_score_is_a_dash_and_no_scores_at_all_a_failure(
-    generated: Path,
-) -> None:
+def test_a_missing_score_is_a_dash_and_no_scores_at_all_a_failure(generated: Path) -> None:
     (generated / "a.json").write_text("{")
     given = ("--generated", generated, "--processes", 1)
     shown = run("metrics", *given, "--preset", "diffsheg", status=1)

@@ -21,9 +21,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "--generator broken --speech a.wav --out new": "changes another condition's motion",
         "--generator static --speech a.wav --out motion": "this motion was not generated",
     },
-    "corpus": {
-        "new --sentences 12": "sentences",
-    },
+    "corpus": {"new --sentences 12": "sentences"},
     "import": {
         "a.bvh study --condition x --speech a.wav": "--speaker and --emotion",
         "a.bvh study --condition x --segment 10": "--segment",
@@ -60,9 +58,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "study s3://bucket/../other": "not the name of a bucket",
         "study s3://bucket --endpoint http://s3.example.org": "only load videos over https",
     },
-    "recruit": {
-        "study create --address study.example.org": "not the address of a study",
-    },
+    "recruit": {"study create --address study.example.org": "not the address of a study"},
     "report": {
         "": "there is nothing to report",
         "--responses a.csv --out new": "--responses FILE --protocol NAME",
@@ -88,9 +84,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "study --with-videos": "cannot be given with tables, only with --folder",
     },
     "backup": {"study new.zip": "no database of answers yet. If the study is served with DATABASE"},
-    "exclude": {
-        "study 1 --reason asleep": "there is no database of answers yet",
-    },
+    "exclude": {"study 1 --reason asleep": "there is no database of answers yet"},
 }
 
 

@@ -15,12 +15,7 @@ from sqlalchemy import make_url, select, text
 from sqlalchemy.exc import DBAPIError, OperationalError
 
 from motion.errors import InputError
-from studyapp.database.engine import (
-    Database,
-    database_url_of,
-    sqlite_file,
-    sqlite_url,
-)
+from studyapp.database.engine import Database, database_url_of, sqlite_file, sqlite_url
 from studyapp.database.postgresql import Turn, take_turn, without_timeout
 from studyapp.database.sqlite import lock_waiter, sqlite_engine
 from studyapp.database.tables.study_session import Place
@@ -83,9 +78,7 @@ def test_readers_see_one_consistent_state(database: Database) -> None:
         assert session.scalars(select(Place.number)).all() == [0]
 
 
-def test_several_processes_may_upgrade_the_schema_at_once(
-    postgresql: ThrowawayPostgresql,
-) -> None:
+def test_several_processes_may_upgrade_the_schema_at_once(postgresql: ThrowawayPostgresql) -> None:
     url = postgresql.create_database("to_be_migrated")
 
     with ThreadPoolExecutor(4) as pool:
@@ -203,8 +196,7 @@ ADDRESS = "postgresql://host/study"
 
 
 @pytest.mark.parametrize(
-    ("rehearsal", "expected"),
-    [(False, ADDRESS), (True, sqlite_url(Path("/study/rehearsal.db")))],
+    ("rehearsal", "expected"), [(False, ADDRESS), (True, sqlite_url(Path("/study/rehearsal.db")))]
 )
 def test_a_rehearsal_never_answers_into_the_real_database(
     monkeypatch: pytest.MonkeyPatch, rehearsal: bool, expected: str
@@ -308,9 +300,7 @@ def test_statements_have_a_timeout_unless_they_are_long_running(
         assert session.scalar(limit) == "10min"
 
 
-def test_connecting_to_a_silent_server_times_out(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_connecting_to_a_silent_server_times_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("studyapp.database.postgresql.CONNECT_SECONDS", 1)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         url = f"postgresql://ada@127.0.0.1:{silent.getsockname()[1]}/study"
@@ -340,10 +330,7 @@ def test_a_stuck_writer_blocks_others_only_for_a_limited_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with closing(Database.open(sqlite_url(tmp_path / "responses.db"))) as database:
-        with (
-            (tmp_path / "responses.db-line").open("w") as held,
-            monkeypatch.context() as patch,
-        ):
+        with (tmp_path / "responses.db-line").open("w") as held, monkeypatch.context() as patch:
             fcntl.flock(held, fcntl.LOCK_EX)
             patch.setattr("studyapp.database.sqlite.WRITER_LOCK_SECONDS", 0.1)
             for _ in range(2):

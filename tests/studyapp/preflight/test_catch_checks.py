@@ -8,10 +8,7 @@ import pytest
 
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
-from studyapp.preflight.catch_checks import (
-    catch_motion_findings,
-    motion_difference,
-)
+from studyapp.preflight.catch_checks import catch_motion_findings, motion_difference
 from tests.motion.random_clips import clip_of
 from tests.support.studies.made_study import make_study
 

@@ -72,9 +72,7 @@ def test_a_missing_video_is_reported_with_its_conditions_and_errors_come_first(
         assert word in error
 
 
-def test_overlong_videos_and_missing_speech_are_reported(
-    ready: StudyFolder,
-) -> None:
+def test_overlong_videos_and_missing_speech_are_reported(ready: StudyFolder) -> None:
     first, *others = read_stimuli(ready.stimuli).pairs
     longer = first.model_copy(update={"duration": 9.0})
     write_stimuli(ready.stimuli, Stimuli(pairs=(longer, *others)))

@@ -47,9 +47,7 @@ def test_a_file_that_is_no_database_is_found(tiny_study: Path) -> None:
     assert "database-unusable" in names(tiny_study)
 
 
-def test_participants_a_pause_and_a_changed_design_are_reported(
-    tiny_study: Path,
-) -> None:
+def test_participants_a_pause_and_a_changed_design_are_reported(tiny_study: Path) -> None:
     answer_study(tiny_study, people=2)
     found = names(tiny_study)
     assert found["answers-there"] == "2 participants have already arrived"

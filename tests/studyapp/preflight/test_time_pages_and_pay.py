@@ -6,16 +6,8 @@ from typing import Any, get_args
 import pytest
 
 from studyapp.preflight.material import Material
-from studyapp.preflight.recruiting_checks import (
-    page_findings,
-    pay_findings,
-    recruiting_findings,
-)
-from studyapp.preflight.time_checks import (
-    ExpectedTime,
-    expected_time,
-    time_findings,
-)
+from studyapp.preflight.recruiting_checks import page_findings, pay_findings, recruiting_findings
+from studyapp.preflight.time_checks import ExpectedTime, expected_time, time_findings
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.presentation import Language
 from studyapp.study.settings.reading import ALIASES
@@ -103,14 +95,9 @@ def test_wrong_durations_long_studies_and_short_leases_give_warnings(
 
 
 def check_pay(
-    minutes: int | None = 10,
-    needed: int | None = None,
-    **recruitment: Any,
+    minutes: int | None = 10, needed: int | None = None, **recruitment: Any
 ) -> dict[str, str]:
-    study = make_study(
-        page={"consent": "You agree.", "minutes": minutes},
-        recruitment=recruitment,
-    )
+    study = make_study(page={"consent": "You agree.", "minutes": minutes}, recruitment=recruitment)
     findings = (*recruiting_findings(study), *pay_findings(study, needed))
     return {finding.name: finding.what for finding in findings}
 

@@ -76,9 +76,7 @@ def test_revealing_or_missing_properties_of_a_file_are_found(
     assert words in check_videos(study)[name]
 
 
-def test_loudness_is_compared_within_a_segment_before_between_segments(
-    own_study: OwnStudy,
-) -> None:
+def test_loudness_is_compared_within_a_segment_before_between_segments(own_study: OwnStudy) -> None:
     study = own_study("rating")
     loud = Audio((0.4 * np.sin(np.arange(2 * SOUND_RATE) / 20)).astype(np.float32), SOUND_RATE)
     for condition in ("ours", "theirs", "real"):

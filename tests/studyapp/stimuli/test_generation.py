@@ -33,9 +33,7 @@ def generated_files(folder: StudyFolder) -> dict[Path, bytes]:
     }
 
 
-def test_every_generated_condition_gets_a_placed_clip_once(
-    study: StudyFolder,
-) -> None:
+def test_every_generated_condition_gets_a_placed_clip_once(study: StudyFolder) -> None:
     reported: list[tuple[int, int]] = []
     count = generate(study, on_clip=lambda done, total, _detail="": reported.append((done, total)))
     assert (count.made, count.kept) == (9, 0)

@@ -47,9 +47,7 @@ def videos_of(folder: StudyFolder) -> Iterator[Path]:
     return (folder.root / record.file for record in (*stimuli.clips, *stimuli.pairs))
 
 
-def test_every_clip_and_both_orders_of_every_pair_are_rendered(
-    first_run: FirstRun,
-) -> None:
+def test_every_clip_and_both_orders_of_every_pair_are_rendered(first_run: FirstRun) -> None:
     study, count, progress = first_run
     assert count.failures == ()
     assert count.notes == ()
@@ -77,9 +75,7 @@ def test_frozen_channels_are_still_in_every_video(study: StudyFolder) -> None:
     assert (pictures == pictures[0]).all()
 
 
-def test_only_videos_of_changed_clips_are_rendered_again(
-    rendered: StudyFolder,
-) -> None:
+def test_only_videos_of_changed_clips_are_rendered_again(rendered: StudyFolder) -> None:
     before = {path: path.stat().st_mtime_ns for path in videos_of(rendered)}
     # Left by a killed process.
     drafts = [rendered.videos / name for name in (".frames/.draft.mkv", "pairs/.draft.mp4")]

@@ -40,9 +40,7 @@ def test_an_incomplete_segment_is_dropped_only_if_the_study_allows_it(
     assert segment_names(finished) == ["one", "three"]
 
 
-def test_every_video_missing_from_a_condition_is_listed(
-    finished: StudyFolder,
-) -> None:
+def test_every_video_missing_from_a_condition_is_listed(finished: StudyFolder) -> None:
     for video in (finished.videos / "theirs").glob("*.mp4"):
         video.rename(video.with_name(f"other-{video.name}"))
 

@@ -157,9 +157,7 @@ def test_adding_a_condition_keeps_the_comments_and_reads_over_a_byte_order_mark(
     assert "ground_truth" in read_study(path).conditions
 
 
-def test_one_study_can_compare_all_three_systems(
-    tmp_path: Path,
-) -> None:
+def test_one_study_can_compare_all_three_systems(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     study = new_study(path, template="three-systems", name="s", trials=15, participants=10)
     assert isinstance(study, PairwiseStudy)

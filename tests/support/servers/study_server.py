@@ -38,13 +38,7 @@ class StudyServer:
     """
 
     def __init__(
-        self,
-        folder: Path,
-        log: Path,
-        *,
-        database_url: str,
-        workers: int,
-        speed: float,
+        self, folder: Path, log: Path, *, database_url: str, workers: int, speed: float
     ) -> None:
         self.port = free_port()
         self.log = log
@@ -161,12 +155,7 @@ class StudyServer:
 
 @contextmanager
 def study_server(
-    folder: Path,
-    log: Path,
-    *,
-    database_url: str,
-    workers: int = WORKERS,
-    speed: float = SPEED,
+    folder: Path, log: Path, *, database_url: str, workers: int = WORKERS, speed: float = SPEED
 ) -> Iterator[StudyServer]:
     """Serve the study in `folder` during the block.
 

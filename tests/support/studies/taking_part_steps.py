@@ -119,10 +119,7 @@ class Participant:
         return self.do(record_watched, video_token, report)
 
     def watch(
-        self,
-        *intervals: tuple[float, float],
-        batch: int = 0,
-        playback: Playback = AS_RECORDED,
+        self, *intervals: tuple[float, float], batch: int = 0, playback: Playback = AS_RECORDED
     ) -> float:
         video = self.trial().videos[0].token
         self.fetch(video)

@@ -89,9 +89,7 @@ def motion_links(page: Path) -> dict[str, str]:
     }
 
 
-def test_motion_pages_are_rewritten_when_the_motion_changes(
-    study: StudyFolder,
-) -> None:
+def test_motion_pages_are_rewritten_when_the_motion_changes(study: StudyFolder) -> None:
     motions = (("take-0", "rule_based"), ("take-0", "broken"), ("take-2", "broken"))
     for segment, condition in motions:
         write_motion(study.clip(condition, segment), SECONDS)

@@ -40,9 +40,7 @@ def test_a_grid_shows_the_named_conditions_side_by_side(study: StudyFolder, tmp_
         assert stream.width == 192
 
 
-def test_a_strip_of_the_compared_conditions_is_reproducible(
-    study: StudyFolder,
-) -> None:
+def test_a_strip_of_the_compared_conditions_is_reproducible(study: StudyFolder) -> None:
     command = ["figure", "strip", str(study.root), "--segment", SEGMENT, "--inches", "1.5",
                "--at", "0.9", "--at", "no=0.1"]  # fmt: skip
     paths = [study.figures / f"strip-{SEGMENT}{ending}" for ending in (".pdf", ".png")]

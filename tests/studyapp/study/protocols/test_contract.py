@@ -12,12 +12,7 @@ from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.settings.reading import ALIASES, PROTOCOLS, parse_study
 from studyapp.study.settings.study import Study
 from studyapp.study.versioning import design_digest
-from tests.studyapp.study.protocols.made_protocols import (
-    KEYS,
-    in_order,
-    make,
-    obedient,
-)
+from tests.studyapp.study.protocols.made_protocols import KEYS, in_order, make, obedient
 from tests.support.studies.made_study import make_segments
 
 SEGMENTS = make_segments(EMOTIONS * 2)
@@ -41,9 +36,7 @@ def designs(draw: st.DrawFn) -> tuple[Study, tuple[Segment, ...], tuple[PlannedT
 
 
 @given(designs())
-def test_extra_trials_are_spread_out_within_parts_and_never_first(
-    design: Any,
-) -> None:
+def test_extra_trials_are_spread_out_within_parts_and_never_first(design: Any) -> None:
     study, _, plan = design
     kinds = [trial.kind for trial in plan]
     order = [part for part, _ in groupby(trial.part for trial in plan)]
@@ -115,9 +108,7 @@ def test_a_complete_answer_is_valid_and_fails_no_ordinary_trial(design: Any, cha
 
 
 @given(designs())
-def test_seeing_the_flaw_decides_a_catch_trial(
-    design: Any,
-) -> None:
+def test_seeing_the_flaw_decides_a_catch_trial(design: Any) -> None:
     study, _, plan = design
 
     for trial in plan:

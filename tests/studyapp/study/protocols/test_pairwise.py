@@ -36,9 +36,7 @@ def of_kind(plan: Plan, *kinds: str) -> list[PlannedTrial]:
 
 
 @given(designs())
-def test_segments_rotate_and_emotions_share_the_trials_evenly(
-    design: Design,
-) -> None:
+def test_segments_rotate_and_emotions_share_the_trials_evenly(design: Design) -> None:
     study, _, plan, available = design
     rounds = 1 if study.has_reference_arms else len(study.conditions) - 1
 
@@ -55,9 +53,7 @@ def test_segments_rotate_and_emotions_share_the_trials_evenly(
 
 
 @given(designs())
-def test_practice_comes_first_and_is_repeated_in_order_at_the_end(
-    design: Design,
-) -> None:
+def test_practice_comes_first_and_is_repeated_in_order_at_the_end(design: Design) -> None:
     study, _, plan, available = design
     practice, repeats = of_kind(plan, "practice"), of_kind(plan, "repeat")
 
@@ -74,9 +70,7 @@ def test_practice_comes_first_and_is_repeated_in_order_at_the_end(
 
 
 @given(designs())
-def test_sides_are_balanced_within_each_kind_of_trial(
-    design: Design,
-) -> None:
+def test_sides_are_balanced_within_each_kind_of_trial(design: Design) -> None:
     study, arm, plan, _ = design
     order = [*arm.conditions, study.catch.condition]
 

@@ -6,11 +6,7 @@ from pydantic import ValidationError
 from studyapp.study.settings.presentation import Page
 from studyapp.study.settings.questions import Form, FormQuestion
 from studyapp.study.settings.reading import PROTOCOLS, parse_text
-from studyapp.study.settings.recruitment import (
-    CODE_LENGTH,
-    draw_code,
-    is_guessable,
-)
+from studyapp.study.settings.recruitment import CODE_LENGTH, draw_code, is_guessable
 from studyapp.study.settings.rehearsal import Rehearsal
 from studyapp.study.study_file import render_template
 from tests.support.studies.made_study import CODES, make_study

@@ -135,9 +135,7 @@ def test_an_unreadable_file_is_named_with_a_remedy(
         read_study(study_file)
 
 
-def test_catch_trials_show_the_ground_truth_and_all_pairs_both_orders(
-    study_file: Path,
-) -> None:
+def test_catch_trials_show_the_ground_truth_and_all_pairs_both_orders(study_file: Path) -> None:
     assert read_study(study_file).catch_against == "rule_based"
     set_keys(study_file, {"conditions.ground_truth": {}})
     study = read_study(study_file)
