@@ -1,8 +1,6 @@
 """Exclusions by hand, and their effect on reports and exports."""
 
 import json
-import shutil
-from pathlib import Path
 
 import pytest
 
@@ -16,29 +14,24 @@ from studyapp.results.stored_answers import stored_answers
 from studyapp.session.intake import add_places
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
+from tests.studyapp.conftest import OwnStudy
 from tests.support.command_line import run
 from tests.support.read_once import read_once
 from tests.support.studies.answered_study import answer_study
-from tests.support.studies.finished_study import write_finished_study, write_short_video
+from tests.support.studies.redefining import set_keys
 from tests.support.studies.stored import opened
 from tests.support.studies.taking_part_steps import SetClock
 
 REASON = '=cmd; wrote to us, "fell asleep"'
 
 
-@pytest.fixture(scope="module")
-def answered(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a study that four participants answered by chance, the last one in part."""
-    folder = tmp_path_factory.mktemp("mismatch")
-    write_short_video(folder / "short.mp4")
-    write_finished_study(folder, "mismatch", folder / "short.mp4", participants=4)
-    answer_study(folder, people=4, stop_after=2)
-    return folder
-
-
 @pytest.fixture
-def folder(answered: Path, tmp_path: Path) -> StudyFolder:
-    return StudyFolder(shutil.copytree(answered, tmp_path / "study"))
+def folder(own_study: OwnStudy) -> StudyFolder:
+    """Return a study that four participants answered by chance, the last one in part."""
+    study = own_study("mismatch")
+    set_keys(study.definition, {"participants": 4})
+    answer_study(study.root, people=4, stop_after=2)
+    return study
 
 
 def exclude(folder: StudyFolder, name: str, *options: str, reason: str = REASON) -> str:

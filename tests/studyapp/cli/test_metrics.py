@@ -4,18 +4,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from motion.clip import MotionClip
-from motion.formats import write_clip
 from tests.support.command_line import run
+from tests.support.studies.takes import write_motion
 
 
 @pytest.fixture
 def generated(tmp_path: Path) -> Path:
-    """Return a folder of one waving and one damaged clip."""
-    poses = np.zeros((40, 55, 3), np.float32)
-    poses[:, 16, 2] = np.sin(np.arange(40) / 5)
-    clip = MotionClip(poses=poses, trans=np.zeros((40, 3), np.float32), frame_rate=30)
-    write_clip(tmp_path / "ours" / "a.npz", clip)
+    """Return a folder of one moving and one damaged clip."""
+    write_motion(tmp_path / "ours" / "a.npz", 1.5)
     (tmp_path / "ours" / "b.npz").write_bytes(b"cut")
     return tmp_path / "ours"
 
@@ -41,8 +37,7 @@ def test_a_note_is_printed_once_with_the_number_of_files(tmp_path: Path) -> None
         poses = np.zeros((40, 165), np.float32)
         file = tmp_path / "ours" / f"{name}.npz"
         np.savez(file, poses=poses, trans=trans, mocap_framerate=30, betas=np.zeros(10))
-    given = ("--generated", tmp_path / "ours", "--processes", 1)
-    shown = run("metrics", *given, "--preset", "genea")
+    shown = run("metrics", "--generated", tmp_path / "ours", "--processes", 1, "--preset", "genea")
     assert shown.count("note: ") == 1
     assert "no finger is in the file" in shown
     assert "(and 2 other files)" in shown

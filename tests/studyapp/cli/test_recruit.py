@@ -20,13 +20,6 @@ ADDRESS = "https://study.example.org/"
 
 
 @pytest.fixture
-def tiny_study(tiny_study: Path, empty_sqlite: Path) -> Path:
-    """Return the study with an empty database of the newest schema: making one takes longer."""
-    shutil.copyfile(empty_sqlite, tiny_study / "responses.db")
-    return tiny_study
-
-
-@pytest.fixture
 def stand_in(monkeypatch: pytest.MonkeyPatch) -> Iterator[StandIn]:
     monkeypatch.setenv("PROLIFIC_TOKEN", TOKEN)
     with served(StandIn()) as running:
@@ -80,15 +73,14 @@ def test_decisions_about_pay_are_shown_before_anybody_is_paid(
 ) -> None:
     recruit(folder, "create", "--address", ADDRESS, "--yes")
     database = StudyFolder(folder).responses
-    elsewhere = database.rename(folder / "elsewhere.db")
+    assert not database.exists()
     assert "Prolific: unpublished, 0 of" in recruit(folder, "status")
     assert "0 to pay" in recruit(folder, "approve", "--yes")
     code = StudyFolder(folder).study().recruitment.prolific.completed
-    elsewhere.rename(database)
     with taking_part(folder) as ann:
         ann.another().arrive(Arrival(recruiter_participant="bob"))
         ann.arrive(Arrival(recruiter_participant="ann")).begin().take_all()
-    database.rename(elsewhere)
+    elsewhere = database.rename(folder / "elsewhere.db")
     stand_in.add_submission("ann", "AWAITING REVIEW", code)
     for command in ("status", "approve"):
         # Otherwise nobody would seem to have taken part.
@@ -121,10 +113,8 @@ def test_each_person_on_a_list_is_invited_once_and_only_its_owner_reads_the_tabl
     tiny_study: Path,
 ) -> None:
     redefine(tiny_study, added='[recruitment]\nchannel = "invitations"\n')
-    database = StudyFolder(tiny_study).responses
-    elsewhere = database.rename(tiny_study / "elsewhere.db")
+    assert not StudyFolder(tiny_study).responses.exists()
     assert "0 invitations: 0 begun" in recruit(tiny_study, "status")
-    elsewhere.rename(database)
     people = tiny_study / "people.csv"
     people.write_text("who,note\nann@x.org,a\nbob@x.org,b\n\nann@x.org,again\n", "utf-8")
     address = ("--address", ADDRESS)

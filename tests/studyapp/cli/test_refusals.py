@@ -84,7 +84,6 @@ REFUSED: dict[str, dict[str, str]] = {
         "study --with-videos": "cannot be given with tables, only with --folder",
     },
     "backup": {"study new.zip": "no database of answers yet. If the study is served with DATABASE"},
-    "exclude": {"study 1 --reason asleep": "there is no database of answers yet"},
 }
 
 

@@ -3,7 +3,7 @@
 import os
 import re
 from pathlib import Path
-from typing import Any
+from unittest.mock import Mock
 
 import av
 import pytest
@@ -22,31 +22,17 @@ from tests.support.servers.s3_stand_in import BUCKET, SECRET, Store
 from tests.support.studies.takes import write_motion, write_speech
 
 
-@pytest.fixture
-def requests(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """Return the arguments of a rendering, which pretends that one clip failed."""
-    arguments: dict[str, Any] = {}
-
-    def render(folder: object, **given: Any) -> RenderCount:
-        arguments.update(given)
-        return RenderCount(made=3, kept=2, failures=("a.mp4: torn",), left_out=2, notes=("soft",))
-
-    monkeypatch.setattr(rendering, "render", render)
-    return arguments
-
-
 @pytest.mark.parametrize(("available", "used"), [(3, 3), (384, 256)])
 def test_all_processors_are_used_by_default_and_failures_are_printed(
-    tiny_study: Path,
-    requests: dict[str, Any],
-    monkeypatch: pytest.MonkeyPatch,
-    available: int,
-    used: int,
+    tiny_study: Path, monkeypatch: pytest.MonkeyPatch, available: int, used: int
 ) -> None:
+    count = RenderCount(made=3, kept=2, failures=("a.mp4: torn",), left_out=2, notes=("soft",))
+    render = Mock(return_value=count)
+    monkeypatch.setattr(rendering, "render", render)
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(available)), raising=False)
     output = run("render", tiny_study, status=1)
 
-    assert requests["processes"] == used
+    assert render.call_args.kwargs["processes"] == used
     assert "soft" in output
     assert "failed: a.mp4: torn" in output
     assert "skipped 2 videos made from these clips" in output
@@ -54,18 +40,11 @@ def test_all_processors_are_used_by_default_and_failures_are_printed(
     assert "3 videos could not be made" in output
 
 
-@pytest.fixture
-def unknown_skeleton(tmp_path: Path) -> Path:
-    """Return a BVH with unknown names of joints."""
-    path = tmp_path / "wave.bvh"
-    write_clip_bvh(path, random_clip(20), REST_JOINTS)
-    path.write_text(re.sub("(ROOT|JOINT) ", r"\1 x", path.read_text()))
-    return path
-
-
-def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(
-    unknown_skeleton: Path, tmp_path: Path
-) -> None:
+def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(tmp_path: Path) -> None:
+    unknown_skeleton = tmp_path / "wave.bvh"
+    write_clip_bvh(unknown_skeleton, random_clip(20), REST_JOINTS)
+    text = unknown_skeleton.read_text()
+    unknown_skeleton.write_text(re.sub("(ROOT|JOINT) ", r"\1 x", text))
     out = ("--as", "video", "--size", 64, "--out", tmp_path / "out")
     arguments = ("preview", unknown_skeleton, *out)
     error = refused(*arguments)
@@ -110,6 +89,7 @@ def test_motions_are_converted_with_their_speech_and_none_is_overwritten(tmp_pat
 
 def test_videos_are_uploaded_and_loaded_as_by_a_browser(tiny_study: Path, s3_store: Store) -> None:
     assert "no bucket was given" in run("publish-media", tiny_study, status=1)
+    s3_store.origins = ["https://study.example.org"]
     address = ("--address", "https://study.example.org/studies/one/")
     s3_store.origins = ["https://study.example.org"]
     place = (f"s3://{BUCKET}/a", "--endpoint", s3_store.endpoint)

@@ -1,8 +1,7 @@
 """`motionjury serve` and `motionjury deploy`: links, and the files of a server."""
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
@@ -17,20 +16,15 @@ from tests.support.studies.stored import opened
 
 
 @pytest.fixture
-def started(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """Return the options of a server that reports itself ready and ends."""
-    started_with: dict[str, Any] = {}
-
-    def start(*_places: object, on_ready: Callable[[], None], **options: object) -> None:
-        started_with.update(options)
-        on_ready()
-
-    monkeypatch.setattr(serve_command, "run_server", start)
-    return started_with
+def started(monkeypatch: pytest.MonkeyPatch) -> Mock:
+    """Return a server that reports itself ready and ends."""
+    run_server = Mock(side_effect=lambda *_, on_ready, **__: on_ready())
+    monkeypatch.setattr(serve_command, "run_server", run_server)
+    return run_server
 
 
 def test_links_start_with_the_public_address_or_the_servers_own(
-    tiny_study: Path, started: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+    tiny_study: Path, started: Mock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     output = run("serve", tiny_study, "--address", "http://127.0.0.1:8000/one/", "--try")
     assert "at http://127.0.0.1:8000/one/ (" in output
@@ -39,7 +33,8 @@ def test_links_start_with_the_public_address_or_the_servers_own(
 
     monkeypatch.setenv("MOTIONJURY_ADDRESS", "https://study.example.org/studies/one")
     output = run("serve", tiny_study)
-    assert (started["prefix"], started["origin"]) == ("/studies/one", "https://study.example.org")
+    given = started.call_args.kwargs
+    assert (given["prefix"], given["origin"]) == ("/studies/one", "https://study.example.org")
     assert "at https://study.example.org/studies/one/ (" in output
     assert "at https://study.example.org/studies/one/research/join/" in output
 

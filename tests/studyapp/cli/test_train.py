@@ -1,7 +1,6 @@
 """`motionjury train`: networks for metrics, and for `motionjury generate`."""
 
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -12,12 +11,6 @@ from tests.analysis.evaluators.swinging import SWINGS, swinging
 from tests.support.command_line import run
 from tests.support.short_training import short_training
 from training.device import torch_threads
-
-
-@pytest.fixture(scope="module", autouse=True)
-def one_thread() -> Iterator[None]:
-    with torch_threads(1):
-        yield
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +39,7 @@ def corpus(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@torch_threads(1)
 def test_a_network_is_trained_and_damaged_files_are_counted(recorded: Path, tmp_path: Path) -> None:
     out = tmp_path / "new" / "m.safetensors"
     given = ("emotion", "--data", recorded, "--config", "tiny", "--steps", 12, "--out", out)

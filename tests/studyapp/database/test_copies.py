@@ -48,29 +48,30 @@ def answered(participant: Participant) -> Participant:
     return participant
 
 
+@pytest.fixture
+def copy(answered: Participant, database_url: str, tmp_path: Path) -> Path:
+    """Return a copy of the database with that participant."""
+    write_copy(database_url, tmp_path / "copy.db")
+    return tmp_path / "copy.db"
+
+
 def rows_at(url: str) -> Rows:
     with closing(Database.open(url)) as database:
         return rows_of(database)
 
 
-def test_a_copy_has_every_row_unchanged(
-    answered: Participant, database_url: str, tmp_path: Path
-) -> None:
-    write_copy(database_url, tmp_path / "copy.db")
-
-    assert find_flaws(tmp_path / "copy.db") == []
-    assert count_rows(tmp_path / "copy.db")["responses"] == 2
-    assert rows_at(sqlite_url(tmp_path / "copy.db")) == rows_of(answered.database)
+def test_a_copy_has_every_row_unchanged(answered: Participant, copy: Path) -> None:
+    assert find_flaws(copy) == []
+    assert count_rows(copy)["responses"] == 2
+    assert rows_at(sqlite_url(copy)) == rows_of(answered.database)
 
 
 @SQLITE
 @pytest.mark.parametrize("empty_url", ["postgresql"], indirect=True)
 def test_a_copy_fills_postgresql_and_its_sequences_continue(
-    answered: Participant, database_url: str, empty_url: str, tmp_path: Path, served: ServedStudy
+    answered: Participant, copy: Path, empty_url: str, served: ServedStudy
 ) -> None:
-    write_copy(database_url, tmp_path / "copy.db")
-
-    fill_from_copy(empty_url, tmp_path / "copy.db")
+    fill_from_copy(empty_url, copy)
 
     assert rows_at(empty_url) == rows_of(answered.database)
     filled = Database.open(empty_url)
@@ -79,22 +80,19 @@ def test_a_copy_fills_postgresql_and_its_sequences_continue(
     assert Participant(filled, served, answered.clock).enrol("newcomer").token
     filled.close()
     with pytest.raises(InputError, match="the database is not empty"):
-        fill_from_copy(empty_url, tmp_path / "copy.db")
+        fill_from_copy(empty_url, copy)
 
 
 @SQLITE
 @pytest.mark.parametrize("empty_url", ["postgresql"], indirect=True)
-def test_a_failed_copy_stores_nothing(
-    answered: Participant, database_url: str, empty_url: str, tmp_path: Path
-) -> None:
-    write_copy(database_url, tmp_path / "copy.db")
-    with closing(sqlite3.connect(tmp_path / "copy.db")) as copy:
+def test_a_failed_copy_stores_nothing(copy: Path, empty_url: str) -> None:
+    with closing(sqlite3.connect(copy)) as changed:
         # PostgreSQL has no such number, and this table is among the last to be filled.
-        copy.execute("UPDATE watch_records SET stalls = 4611686018427387904")
-        copy.commit()
+        changed.execute("UPDATE watch_records SET stalls = 4611686018427387904")
+        changed.commit()
 
     with pytest.raises(InputError, match=r"cannot be filled: .*nothing was stored"):
-        fill_from_copy(empty_url, tmp_path / "copy.db")
+        fill_from_copy(empty_url, copy)
 
     require_empty(empty_url)
 
@@ -145,19 +143,16 @@ def test_deleted_data_leaves_no_bytes_in_a_copy(
 
 
 @SQLITE
-def test_a_damaged_copy_is_detected(
-    answered: Participant, database_url: str, tmp_path: Path
-) -> None:
-    write_copy(database_url, tmp_path / "copy.db")
-    with closing(sqlite3.connect(tmp_path / "copy.db")) as copy:
-        copy.execute("DELETE FROM trials WHERE id = 1")
-        copy.executescript(
+def test_a_damaged_copy_is_detected(copy: Path) -> None:
+    with closing(sqlite3.connect(copy)) as changed:
+        changed.execute("DELETE FROM trials WHERE id = 1")
+        changed.executescript(
             "CREATE TRIGGER t AFTER INSERT ON responses BEGIN DELETE FROM responses; END;"
             "CREATE VIEW v AS SELECT * FROM responses"
         )
-    flaws = " ".join(find_flaws(tmp_path / "copy.db"))
+    flaws = " ".join(find_flaws(copy))
     for flaw in ("rows refer to missing rows", "the trigger 't', which no study", "the view 'v'"):
         assert flaw in flaws
 
-    (tmp_path / "copy.db").write_bytes((tmp_path / "copy.db").read_bytes()[:20_000])
-    assert find_flaws(tmp_path / "copy.db")
+    copy.write_bytes(copy.read_bytes()[:20_000])
+    assert find_flaws(copy)

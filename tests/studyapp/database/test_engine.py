@@ -19,7 +19,6 @@ from studyapp.database.engine import Database, database_url_of, sqlite_file, sql
 from studyapp.database.postgresql import Turn, take_turn, without_timeout
 from studyapp.database.sqlite import lock_waiter, sqlite_engine
 from studyapp.database.tables.study_session import Place
-from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
 
 POSTGRESQL = pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
 
@@ -78,17 +77,15 @@ def test_readers_see_one_consistent_state(database: Database) -> None:
         assert session.scalars(select(Place.number)).all() == [0]
 
 
-def test_several_processes_may_upgrade_the_schema_at_once(postgresql: ThrowawayPostgresql) -> None:
-    url = postgresql.create_database("to_be_migrated")
-
+@pytest.mark.parametrize("empty_url", ["postgresql"], indirect=True)
+def test_several_processes_may_upgrade_the_schema_at_once(empty_url: str) -> None:
     with ThreadPoolExecutor(4) as pool:
-        opened = list(pool.map(Database.open, [url] * 4))
+        opened = list(pool.map(Database.open, [empty_url] * 4))
 
     for database in opened:
         with database.reading() as session:
             assert session.scalars(select(Place)).all() == []
         database.close()
-    postgresql.drop_database("to_be_migrated")
 
 
 def test_a_database_with_another_schema_is_refused_unchanged(
@@ -192,18 +189,12 @@ def test_a_failed_statement_hides_its_parameters(database: Database) -> None:
     assert "s3cret" not in str(caught.value)
 
 
-ADDRESS = "postgresql://host/study"
+def test_a_rehearsal_never_answers_into_the_real_database(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DATABASE_URL", "postgresql://host/study")
+    study = Path("/study")
 
-
-@pytest.mark.parametrize(
-    ("rehearsal", "expected"), [(False, ADDRESS), (True, sqlite_url(Path("/study/rehearsal.db")))]
-)
-def test_a_rehearsal_never_answers_into_the_real_database(
-    monkeypatch: pytest.MonkeyPatch, rehearsal: bool, expected: str
-) -> None:
-    monkeypatch.setenv("DATABASE_URL", ADDRESS)
-
-    assert database_url_of(Path("/study"), rehearsal=rehearsal) == expected
+    assert database_url_of(study, rehearsal=False) == "postgresql://host/study"
+    assert database_url_of(study, rehearsal=True) == sqlite_url(study / "rehearsal.db")
 
 
 @pytest.mark.parametrize("name", ["which?", "a%41", "two words", "a#b", "a?mode=ro&b"])

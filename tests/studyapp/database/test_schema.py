@@ -14,6 +14,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables.base import Base, UtcMoment
 from studyapp.database.tables.study_session import FormAnswer, Place, StudySession, StudyVersion
 from studyapp.database.tables.trial import Response, Trial, TrialStimulus, Video, WatchRecord
+from tests.support.servers.both_databases import BOTH
 from tests.support.studies.stored import filled
 
 NOW = datetime(2026, 5, 4, tzinfo=UTC)
@@ -93,10 +94,7 @@ def test_timestamps_keep_and_require_a_time_zone(database: Database) -> None:
             session.scalar(select(literal(paris.replace(tzinfo=None), UtcMoment())))
 
 
-KINDS = ["sqlite", "postgresql"]
-
-
-@pytest.mark.parametrize("database_url", KINDS, indirect=True)
+@BOTH
 def test_the_migrated_schema_matches_the_models(database: Database) -> None:
     with database.engine.connect() as connection:
         context = MigrationContext.configure(connection, opts={"compare_type": True})

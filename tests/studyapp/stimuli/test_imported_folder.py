@@ -4,10 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from motion.errors import InputError
 from motion.segment import Segment, write_segments
-from studyapp.stimuli.imported_folder import folder_items
-from studyapp.stimuli.recordings import RecordingFacts
 from studyapp.study.folder import StudyFolder
 from tests.support.command_line import refused, run
 from tests.support.encoded import VideoRecipe, write_video
@@ -151,5 +148,4 @@ def test_missing_information_about_speech_and_motion_is_reported(
     assert "the speaker and the emotion are unknown" in said
     assert "the condition is unknown" in said
     (tmp_path / "empty").mkdir()
-    with pytest.raises(InputError, match="no file to import"):
-        folder_items(folder, tmp_path / "empty", RecordingFacts())
+    assert "no file to import" in refused("import", tmp_path / "empty", folder.root)

@@ -29,17 +29,8 @@ def first_run(generated: StudyFolder, tmp_path_factory: pytest.TempPathFactory) 
     root = tmp_path_factory.mktemp("rendered") / "study"
     folder = StudyFolder(Path(shutil.copytree(generated.root, root)))
     progress: list[tuple[int, int, str]] = []
-    return (
-        folder,
-        render(folder, processes=1, on_progress=lambda *state: progress.append(state)),
-        progress,
-    )
-
-
-@pytest.fixture
-def rendered(first_run: FirstRun, tmp_path: Path) -> StudyFolder:
-    """A copy of the study with its videos."""
-    return StudyFolder(Path(shutil.copytree(first_run[0].root, tmp_path / "rendered")))
+    count = render(folder, processes=1, on_progress=lambda *state: progress.append(state))
+    return folder, count, progress
 
 
 def videos_of(folder: StudyFolder) -> Iterator[Path]:
@@ -75,7 +66,10 @@ def test_frozen_channels_are_still_in_every_video(study: StudyFolder) -> None:
     assert (pictures == pictures[0]).all()
 
 
-def test_only_videos_of_changed_clips_are_rendered_again(rendered: StudyFolder) -> None:
+def test_only_videos_of_changed_clips_are_rendered_again(
+    first_run: FirstRun, tmp_path: Path
+) -> None:
+    rendered = StudyFolder(Path(shutil.copytree(first_run[0].root, tmp_path / "rendered")))
     before = {path: path.stat().st_mtime_ns for path in videos_of(rendered)}
     # Left by a killed process.
     drafts = [rendered.videos / name for name in (".frames/.draft.mkv", "pairs/.draft.mp4")]

@@ -32,28 +32,19 @@ def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def detect_person() -> Detection:
-    """Return the detection of a person who is absent from the third to the fourth second."""
+@pytest.fixture
+def detection(monkeypatch: pytest.MonkeyPatch) -> Detection:
+    """In any video, detect a person who is absent from the third to the fourth second."""
     frames = SECONDS * RATE
     pose = np.zeros((frames, 33, 3))
     for part, first in zip(("shoulder", "elbow", "wrist", "hip"), (11, 13, 15, 23), strict=True):
         for side, place in (("left", first), ("right", first + 1)):
             pose[:, place] = REST_JOINTS[joint_index(f"{side}_{part}")] * [1, -1, -1]
-    pose[:, 0], pose[:, 7], pose[:, 8] = (
-        (0, -0.26, -0.19),
-        (0.08, -0.28, -0.07),
-        (-0.08, -0.28, -0.07),
-    )
+    pose[:, [0, 7, 8]] = (0, -0.26, -0.19), (0.08, -0.28, -0.07), (-0.08, -0.28, -0.07)
     face = np.tile(np.random.default_rng(0).normal(0, 40, (478, 3)), (frames, 1, 1))
     pose[3 * RATE : 4 * RATE] = face[3 * RATE : 4 * RATE] = np.nan
     visibility = np.broadcast_to(np.arange(33) < 25, (frames, 33)).astype(float)  # no legs
-    return Detection(frame_rate=RATE, pose=pose, visibility=visibility, face=face)
-
-
-@pytest.fixture
-def detection(monkeypatch: pytest.MonkeyPatch) -> Detection:
-    """Detect the person in any video."""
-    result = detect_person()
+    result = Detection(frame_rate=RATE, pose=pose, visibility=visibility, face=face)
     monkeypatch.setattr(video_takes, "detect", lambda video, on_frame: result)
     return result
 

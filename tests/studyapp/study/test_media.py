@@ -50,12 +50,6 @@ def test_every_video_missing_from_a_condition_is_listed(finished: StudyFolder) -
         segment_names(finished)
 
 
-def test_a_misspelt_video_does_not_make_a_new_segment(finished: StudyFolder) -> None:
-    video = finished.videos / "theirs" / "three.mp4"
-    video.rename(video.with_name("Three.mp4"))
-    assert segment_names(finished) == ["one", "three", "two"]
-
-
 def test_a_video_without_a_valid_name_is_reported(finished: StudyFolder) -> None:
     video = finished.videos / "ours" / "one.mp4"
     video.rename(video.with_name("one (1).mp4"))

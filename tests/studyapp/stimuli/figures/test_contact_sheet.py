@@ -1,3 +1,4 @@
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -20,9 +21,8 @@ def study(tiny_study: Path) -> StudyFolder:
     """Return the tiny study with a clip of a swaying block for each segment and condition."""
     folder = StudyFolder(tiny_study)
     clips = []
-    for number, (segment, condition) in enumerate(
-        (segment.name, condition) for segment in folder.segments() for condition in CONDITIONS
-    ):
+    segments = [segment.name for segment in folder.segments()]
+    for number, (segment, condition) in enumerate(product(segments, CONDITIONS)):
         file = f"videos/clips/{condition}/{segment}.mkv"
         write_block_video(folder.root / file, [40 + k % (3 + number) for k in range(60)])
         clips.append(

@@ -13,15 +13,8 @@ from studyapp.study.settings.study import Study
 from studyapp.study.study_file import TEMPLATES, new_study
 from tests.studyapp.study.protocols.made_protocols import make
 
-
-def read(
-    rules: list[dict[str, Any]] | None,
-    catch: dict[str, Any] | None = None,
-    attention: dict[str, Any] | None = None,
-) -> Study:
-    """Return a study with these rules, catch trials and attention checks."""
-    stated = {} if rules is None else {"exclusions": rules}
-    return make("pairwise", catch=catch or {}, attention=attention or {}, **stated)
+COVERAGE = {"rule": "coverage", "below": 0.9}
+CATCH: dict[str, Any] = {"rule": "catch"}
 
 
 def written(study: Study) -> list[str]:
@@ -29,50 +22,39 @@ def written(study: Study) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("rules", "catch", "attention", "settled"),
+    ("keys", "settled"),
     [
-        (None, {}, {}, ["incomplete", "catch>1"]),
-        (None, {"trials": 0}, {}, ["incomplete"]),
+        ({}, ["incomplete", "catch>1"]),
+        ({"catch": {"trials": 0}}, ["incomplete"]),
         (
-            None,
-            {"max_failed": 0},
-            {"trials": 3, "max_failed": 2},
+            {"catch": {"max_failed": 0}, "attention": {"trials": 3, "max_failed": 2}},
             ["incomplete", "catch>0", "attention>2"],
         ),
         (
-            [{"rule": "coverage", "below": 0.9}, {"rule": "catch"}, {"rule": "time", "below": 8}],
-            {},
-            {},
+            {"exclusions": [COVERAGE, CATCH, {"rule": "time", "below": 8}]},
             ["coverage<0.9", "catch>1", "time<8,share=0.5"],
         ),
         # The number of a catch rule may be in either place, or in both.
-        ([{"rule": "catch"}], {"max_failed": 0}, {}, ["catch>0"]),
-        ([{"rule": "catch", "more_than": 0}], {"max_failed": 0}, {}, ["catch>0"]),
+        ({"exclusions": [CATCH], "catch": {"max_failed": 0}}, ["catch>0"]),
+        ({"exclusions": [CATCH | {"more_than": 0}], "catch": {"max_failed": 0}}, ["catch>0"]),
     ],
 )
-def test_stated_rules_replace_the_default_ones(
-    rules: list[dict[str, Any]] | None,
-    catch: dict[str, Any],
-    attention: dict[str, Any],
-    settled: list[str],
-) -> None:
-    assert written(read(rules, catch, attention)) == settled
+def test_stated_rules_replace_the_default_ones(keys: dict[str, Any], settled: list[str]) -> None:
+    assert written(make("pairwise", **keys)) == settled
 
 
 @pytest.mark.parametrize(
-    ("rules", "catch", "said"),
+    ("rules", "said"),
     [
-        ([{"rule": "catch", "more_than": 0}], {"max_failed": 1}, "remove one of them"),
-        ([{"rule": "incomplete"}] * 2, {}, "the rule incomplete is stated twice"),
-        ([{"rule": "speed"}], {}, "exclusions.0: unknown rule 'speed' (use one of 'incomplete'"),
-        ([{"rule": "coverage"}], {}, "exclusions.0.coverage.below: is missing"),
+        ([CATCH | {"more_than": 0}], "remove one of them"),
+        ([{"rule": "incomplete"}] * 2, "the rule incomplete is stated twice"),
+        ([{"rule": "speed"}], "exclusions.0: unknown rule 'speed' (use one of 'incomplete'"),
+        ([{"rule": "coverage"}], "exclusions.0.coverage.below: is missing"),
     ],
 )
-def test_impossible_values_are_refused_with_their_place(
-    rules: list[Any], catch: dict[str, Any], said: str
-) -> None:
+def test_impossible_values_are_refused_with_their_place(rules: list[Any], said: str) -> None:
     with pytest.raises(InputError, match=re.escape(said)):
-        read(rules, catch)
+        make("pairwise", exclusions=rules, catch={"max_failed": 1})
 
 
 @pytest.mark.parametrize(
