@@ -11,12 +11,7 @@ import pytest
 from pydantic import ValidationError
 
 from motion.errors import InputError
-from studyapp.custody.archive import (
-    LARGEST_MANIFEST,
-    read_archive,
-    read_manifest,
-    write_archive,
-)
+from studyapp.custody.archive import LARGEST_MANIFEST, read_archive, read_manifest, write_archive
 from studyapp.custody.manifest import NAME, Manifest, StoredFile
 
 FILES = {
@@ -186,10 +181,7 @@ def test_a_false_size_does_not_exhaust_memory_or_disk(tmp_path: Path) -> None:
     """What compresses to nothing may be as large as the manifest states, and no larger."""
     large = forge(tmp_path / "0.zip", (NAME, bytes(LARGEST_MANIFEST + 1)))
     bomb = forge(
-        tmp_path / "1.zip",
-        (NAME, as_json(manifest_of(BASE))),
-        ("study.toml", bytes(1 << 26)),
-        ROWS,
+        tmp_path / "1.zip", (NAME, as_json(manifest_of(BASE))), ("study.toml", bytes(1 << 26)), ROWS
     )
     tracemalloc.start()
     try:

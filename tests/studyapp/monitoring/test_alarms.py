@@ -15,13 +15,7 @@ from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.database.sqlite import WriterLockError
 from studyapp.monitoring import alarms
-from studyapp.monitoring.alarms import (
-    SMTP,
-    WEBHOOK,
-    AlarmChannels,
-    raise_alarms,
-    watch_for_alarms,
-)
+from studyapp.monitoring.alarms import SMTP, WEBHOOK, AlarmChannels, raise_alarms, watch_for_alarms
 from studyapp.session.enrolment import add_newcomer
 from studyapp.session.served_study import ServedStudy
 from tests.support.servers.local_server import listening

@@ -218,10 +218,7 @@ def test_chance_and_single_events_need_no_decision(quiet: Overview) -> None:
         {"announced_minutes": 8},
         {"announced_minutes": None},
         {"whole": Durations(what="whole", count=2), "announced_minutes": 1},
-        {
-            "arms": (PlaceCounts(arm="", wanted=10, done=10, active=0, stale=0),),
-            "is_open": False,
-        },
+        {"arms": (PlaceCounts(arm="", wanted=10, done=10, active=0, stale=0),), "is_open": False},
     ):
         assert replace(quiet, **change).decisions == (), change
 

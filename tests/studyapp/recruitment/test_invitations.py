@@ -2,11 +2,7 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables.study_session import Invitation
-from studyapp.recruitment.invitations import (
-    invitation_counts,
-    invited,
-    make_invitations,
-)
+from studyapp.recruitment.invitations import invitation_counts, invited, make_invitations
 from studyapp.session.enrolment import Arrival, enrol, resume
 from studyapp.session.served_study import ServedStudy
 from tests.support.servers.both_databases import BOTH

@@ -148,10 +148,7 @@ def test_stated_values_replace_defaults_and_a_star_stands_for_all_other_question
     assert (people.kinds["careless"], people.kinds["hasty"], people.item_sd) == (0.2, 0.0, 0.1)
 
 
-@given(
-    utilities=st.lists(st.floats(-9, 9), min_size=2, max_size=8),
-    within=st.floats(0, 5),
-)
+@given(utilities=st.lists(st.floats(-9, 9), min_size=2, max_size=8), within=st.floats(0, 5))
 def test_tied_ranks_skip_no_rank_and_keep_the_order(utilities: list[float], within: float) -> None:
     found = ranks(utilities, tie_within=within)
     assert set(found) == set(range(1, max(found) + 1))

@@ -5,11 +5,7 @@ from analysis.results.known_values import KnownDifference, KnownValue
 from analysis.stats.clustered_mean import Estimate
 from studyapp.rehearsal.bookkeeping import Check, Person
 from studyapp.rehearsal.recovered import KindRecovered, Recovery, kinds_recovered
-from studyapp.rehearsal.recovery_page import (
-    recovery_lines,
-    recovery_page,
-    values_in_words,
-)
+from studyapp.rehearsal.recovery_page import recovery_lines, recovery_page, values_in_words
 from studyapp.rehearsal.simulation.population import Kind, Population
 from studyapp.rehearsal.simulation.raters import Rater
 

@@ -66,9 +66,7 @@ def roster(folder: StudyFolder, count: int, *arrived: tuple[int, bool, int | Non
         return read_roster(database, count, truth)
 
 
-def test_the_roster_has_at_most_twice_as_many_participants_as_places(
-    folder: StudyFolder,
-) -> None:
+def test_the_roster_has_at_most_twice_as_many_participants_as_places(folder: StudyFolder) -> None:
     begun = roster(folder, 4, (2, True, 0), (1, False, 1))
     assert begun.finished == ("rehearsal-00002",)
     assert begun.remaining == ("rehearsal-00001", "rehearsal-00000", "rehearsal-00003")

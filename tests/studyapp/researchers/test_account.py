@@ -8,11 +8,7 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.researchers.account import (
-    change_role,
-    list_accounts,
-    set_access,
-)
+from studyapp.researchers.account import change_role, list_accounts, set_access
 from studyapp.researchers.audit import event_label, latest_changes
 from studyapp.researchers.credentials import MAX_ATTEMPTS_PER_NAME, TooManyAttemptsError
 from studyapp.researchers.links import (

@@ -7,12 +7,7 @@ from motion.errors import InputError
 from studyapp.custody.forgetting import erase
 from studyapp.database.engine import Database
 from studyapp.database.tables.researchers import AuditLine, ExclusionDecision
-from studyapp.researchers.audit import (
-    ERASED,
-    StudyState,
-    latest_changes,
-    log_look,
-)
+from studyapp.researchers.audit import ERASED, StudyState, latest_changes, log_look
 from studyapp.researchers.exclusion_decisions import (
     current_exclusions,
     decide_exclusion,

@@ -125,9 +125,7 @@ def test_a_block_is_named_even_if_no_other_has_answers(answered_once: Once) -> N
     assert set(tables["ranking"]["set"]) == {block.name}
 
 
-def test_right_answers_and_failures_match_the_protocol(
-    answered_once: Once,
-) -> None:
+def test_right_answers_and_failures_match_the_protocol(answered_once: Once) -> None:
     folder = StudyFolder(answered_once("pairwise"))
     with reading(folder.responses) as session:
         tables, facts = study_answers(folder.study(), stored_answers(session))

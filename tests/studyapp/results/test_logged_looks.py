@@ -10,11 +10,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import update
 
-from analysis.stats.multiple_testing import (
-    NOT_LOGGED,
-    LooksBefore,
-    false_positive_rate,
-)
+from analysis.stats.multiple_testing import NOT_LOGGED, LooksBefore, false_positive_rate
 from studyapp.database.tables.study_session import IntakeChange, StudySession
 from studyapp.researchers.audit import StudyState, latest_looks, log_look
 from studyapp.results.answers import read_answers
@@ -103,9 +99,7 @@ def test_reports_list_earlier_looks_also_in_another_lab(
     assert stored_looks(folder)[0] == ("report", "", "a video broke", 2)
 
 
-def test_a_report_counts_as_a_look_only_for_later_answers(
-    folder: StudyFolder,
-) -> None:
+def test_a_report_counts_as_a_look_only_for_later_answers(folder: StudyFolder) -> None:
     said = noted(folder, "a video broke"), noted(folder)
 
     assert stored_looks(folder) == [("report", "", "", 2), ("report", "", "a video broke", 2)]

@@ -104,9 +104,7 @@ def test_the_reference_is_measured_and_matched_by_file_name(
 
 @pytest.mark.slow
 def test_motion_and_speech_of_any_format_are_matched_by_name(
-    folders: Callable[..., Path],
-    speech_file: Callable[..., Path],
-    shared_data: Path,
+    folders: Callable[..., Path], speech_file: Callable[..., Path], shared_data: Path
 ) -> None:
     folder = folders("brought", "take.npz")
     shutil.copy(shared_data / "aitviewer_sample.bvh", folder / "other.bvh")

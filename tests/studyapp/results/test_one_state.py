@@ -41,10 +41,7 @@ def live(folder: StudyFolder, _out: Path) -> object:
 
 @pytest.mark.parametrize(
     ("reader", "database_url"),
-    [
-        *((reader, "sqlite") for reader in (exported, shared, live)),
-        (exported, "postgresql"),
-    ],
+    [*((reader, "sqlite") for reader in (exported, shared, live)), (exported, "postgresql")],
     indirect=["database_url"],
 )
 def test_a_withdrawal_during_reading_is_seen_everywhere_or_nowhere(

@@ -74,9 +74,7 @@ def test_pairs_with_missing_motion_are_named(answered: Answered) -> None:
     assert "there is no motion file" in section.get_text()
 
 
-def test_sound_comes_from_finished_videos_if_there_is_no_recording(
-    answered: Answered,
-) -> None:
+def test_sound_comes_from_finished_videos_if_there_is_no_recording(answered: Answered) -> None:
     folder = with_motion(answered("pairwise", people=3), "ours", "theirs", "real")
     shutil.rmtree(folder.speech)
 
