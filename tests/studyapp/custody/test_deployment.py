@@ -98,6 +98,15 @@ def text_of(study: Deployment, name: str) -> str:
     return text
 
 
+def installed(study: Deployment, into: Path, script: str) -> Deployment:
+    """Let a script stand for the program of a server."""
+    program = into / "bin" / "motionjury"
+    program.parent.mkdir(parents=True)
+    program.write_text(f"#!/bin/sh\n{script}", "utf-8")
+    program.chmod(0o755)
+    return study.model_copy(update={"installed": into})
+
+
 def needs(program: str) -> pytest.MarkDecorator:
     return pytest.mark.skipif(shutil.which(program) is None, reason=f"{program} is not installed")
 
@@ -131,11 +140,7 @@ def test_every_file_is_complete_and_none_forbids_what_pages_need_or_logs_address
 @needs("systemd-analyze")
 @pytest.mark.parametrize("study", (ALL[-1], DESKS[0]), ids=lambda d: d.kind)
 def test_systemd_finds_no_fault_and_little_exposure(tmp_path: Path, study: Deployment) -> None:
-    program = tmp_path / "bin" / "motionjury"
-    program.parent.mkdir()
-    program.write_text("#!/bin/sh\n", "utf-8")
-    program.chmod(0o755)
-    study = study.model_copy(update={"installed": tmp_path})
+    study = installed(study, tmp_path / "installed", "")
     units = [file for file in deployed_files(study) if "systemd/system" in file.place]
     names = [tmp_path / Path(file.place).name for file in units]
     for file, name in zip(units, names, strict=True):
@@ -164,11 +169,7 @@ def test_the_server_may_start_processes_of_lower_priority() -> None:
 def test_a_desk_that_cannot_back_up_one_study_backs_up_all_others_and_says_so(
     tmp_path: Path,
 ) -> None:
-    desk = DESKS[0].model_copy(update={"installed": tmp_path / "installed"})
-    program = tmp_path / "installed" / "bin" / "motionjury"
-    program.parent.mkdir(parents=True)
-    program.write_text('#!/bin/sh\ntouch "$3/$2"\n[ "$2" != broken ]\n', "utf-8")
-    program.chmod(0o755)
+    desk = installed(DESKS[0], tmp_path / "installed", 'touch "$3/$2"\n[ "$2" != broken ]\n')
     backups, folder = tmp_path / "motionjury-backups" / desk.name, tmp_path / "desk"
     for name in ("broken", "gestures", "new"):
         (folder / name).mkdir(parents=True)

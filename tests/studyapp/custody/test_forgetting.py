@@ -1,5 +1,5 @@
 import re
-import threading
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -241,30 +241,21 @@ def test_an_answer_during_the_erasure_is_refused(
     person.clock.advance(seconds=5)
     person.watch((0.0, 2.0))
     before = len(read_once(person.database, responses_table))
-    outcomes: list[BaseException | None] = []
-    sending = threading.Thread(target=lambda: outcomes.append(try_to_answer(person, trial)))
+    sent: list[Future[None]] = []
 
     def begin_sending(*args: object, **keys: object) -> None:
         # Everything is erased by now and nothing is stored yet.
-        sending.start()
+        sent.append(sending.submit(person.answer, trial))
         log_change(*args, **keys)  # type: ignore[arg-type]
 
     monkeypatch.setattr(forgetting, "log_change", begin_sending)
 
-    forget_person(person)
-    sending.join()
+    with ThreadPoolExecutor() as sending:
+        forget_person(person)
 
     assert before == 2
-    assert [type(outcome) for outcome in outcomes] == [UnknownAddressError]
+    assert [type(each.exception()) for each in sent] == [UnknownAddressError]
     assert read_once(person.database, responses_table).empty
-
-
-def try_to_answer(person: Participant, trial: str) -> BaseException | None:
-    try:
-        person.answer(trial)
-    except Exception as error:
-        return error
-    return None
 
 
 def files_of(database: Database, request: pytest.FixtureRequest) -> bytes:
