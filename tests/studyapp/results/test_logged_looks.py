@@ -45,18 +45,14 @@ def looked(folder: StudyFolder, *, by: str, finished: int, reason: str, times: i
             log_look(session, NOON, state, way="page", by=by, reason=reason)
 
 
-def complete(folder: StudyFolder) -> None:
-    """Let everybody have finished."""
-    with writing(folder.responses) as session:
-        last = update(StudySession).where(StudySession.completed_at.is_(None))
-        session.execute(last.values(completed_at=NOON, completion_code="CODE-OF-THE-LAST"))
+FINISHED = {"completed_at": NOON, "completion_code": "CODE-OF-THE-LAST"}
 
 
-def seen_last(folder: StudyFolder, moment: datetime) -> None:
-    """Let the one who has not finished have done something last at `moment`."""
+def change_last(folder: StudyFolder, **values: object) -> None:
+    """Change what is stored of the one who has not finished."""
     with writing(folder.responses) as session:
         last = update(StudySession).where(StudySession.completed_at.is_(None))
-        session.execute(last.values(last_active_at=moment))
+        session.execute(last.values(values))
 
 
 def noted(folder: StudyFolder, reason: str = "") -> str:
@@ -109,12 +105,12 @@ def test_a_report_counts_as_a_look_only_for_later_answers(folder: StudyFolder) -
         session.add(
             IntakeChange(at=NOON, state="closed", more_places=0, reason="enough", researcher="")
         )
-    seen_last(folder, datetime.now(UTC))
+    change_last(folder, last_active_at=datetime.now(UTC))
     assert noted(folder) == said[0]
-    seen_last(folder, datetime.now(UTC) - timedelta(days=1))
+    change_last(folder, last_active_at=datetime.now(UTC) - timedelta(days=1))
     assert noted(folder) == ""
 
-    complete(folder)
+    change_last(folder, **FINISHED)
     assert noted(folder) == ""
     assert len(stored_looks(folder)) == 5
     first, _ = before(folder).looks
@@ -154,7 +150,7 @@ def test_an_export_is_a_look_that_later_reports_list(folder: StudyFolder, tmp_pa
     passed_on = StudyFolder(tmp_path / "second" / "sourcedata" / "study")
     shared = read_answers(passed_on, "participants").stored
     assert shared is not None and shared.looks.empty
-    complete(folder)
+    change_last(folder, **FINISHED)
     assert [(one.way, one.by, one.reason, one.times) for one in before(folder).looks] == [
         ("export", "command line", "for the talk", 1),
         ("export", "command line", "", 2),

@@ -28,19 +28,17 @@ def folders(motion_file: Callable[..., Path], tmp_path: Path) -> Callable[..., P
     return make
 
 
-def test_a_study_is_compared_with_its_ground_truth_and_caches_positions(
+def test_a_study_is_compared_with_its_ground_truth_also_by_the_evaluator_that_it_names(
     folder: StudyFolder, take: Callable[..., Take]
 ) -> None:
-    import_take(folder, take())
+    long = take(speech=9.0, motion=9.0, segment=3.0)
+    import_take(folder, long)
     other = next(name for name in folder.study().conditions if name != "ground_truth")
     shutil.rmtree(folder.root / "motion")
     with pytest.raises(InputError, match=r"no motion file.*motionjury generate"):
         measure_study(folder, **QUICK)
-    import_take(folder, take())
-    for segment in folder.segments():
-        copied = folder.clip(other, segment.name)
-        copied.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(folder.clip("ground_truth", segment.name), copied)
+    import_take(folder, long)
+    shutil.copytree(folder.root / "motion" / "ground_truth", folder.root / "motion" / other)
     metrics = measure_study(folder, **QUICK)
     found = {(s.condition, s.name): s for s in metrics.conditions}
     assert found[other, "mean absolute error (MAJE, s2ue)"].value == 0
@@ -48,24 +46,15 @@ def test_a_study_is_compared_with_its_ground_truth_and_caches_positions(
     assert found["ground_truth", "jerk (genea)"].clips == 3
     assert list(folder.joint_positions.iterdir())
 
-
-def test_a_study_is_measured_with_the_published_evaluator_that_it_names(
-    folder: StudyFolder, take: Callable[..., Take]
-) -> None:
-    import_take(folder, take(speech=9.0, motion=9.0, segment=3.0))
-    other = next(name for name in folder.study().conditions if name != "ground_truth")
-    shutil.copytree(folder.root / "motion" / "ground_truth", folder.root / "motion" / other)
+    # The study names a published evaluator.
     text = folder.definition.read_text("utf-8")
     named = 'evaluator = { preset = "ted", file = "ted.bin" }\n'
     folder.definition.write_text(named + text, "utf-8")
     with pytest.raises(InputError, match="no such file"):
         measure_study(folder, **QUICK)
     write_checkpoint(folder.root, "ted")
-    names = {
-        score.name
-        for score in measure_study(folder, **QUICK).conditions
-        if score.condition == other
-    }
+    found = measure_study(folder, **QUICK).conditions
+    names = {score.name for score in found if score.condition == other}
     published = "FGD (TED's evaluator)", "FGD by the published rule (TED's evaluator)"
     assert {*published} <= names
 

@@ -1,23 +1,19 @@
 """Whatever is read of a study's answers belongs to one moment, on both databases."""
 
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 from sqlalchemy import Engine, event
 
-from studyapp.database.engine import Database
 from studyapp.database.tables.study_session import StudySession
 from studyapp.results.export.sharing import share
 from studyapp.results.export.tables import export
 from studyapp.results.looks import figures_so_far
-from studyapp.session.ending import withdraw
-from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
-from tests.support.studies.taking_part_steps import Participant, SetClock
+from tests.support.studies.taking_part_steps import Participant
 
 Reader = Callable[[StudyFolder, Path], object]
 
@@ -45,6 +41,7 @@ def live(folder: StudyFolder, _out: Path) -> object:
     indirect=["database_url"],
 )
 def test_a_withdrawal_during_reading_is_seen_everywhere_or_nowhere(
+    participant: Participant,
     tiny_study: Path,
     tmp_path: Path,
     database_url: str,
@@ -52,42 +49,30 @@ def test_a_withdrawal_during_reading_is_seen_everywhere_or_nowhere(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("DATABASE_URL", database_url)
-    folder = StudyFolder(tiny_study)
-    with closing(Database.open(database_url)) as database:
-        tokens = [take_part(folder, database, name) for name in ("one", "two")]
-        before = reader(folder, made(tmp_path / "before"))
-        with leaving_at_first_sight(database, tokens[1]) as left:
-            assert reader(folder, made(tmp_path / "meanwhile")) == before
+    leaver = participant.another().enrol("leaver").begin()
+    for each in (participant, leaver):
+        each.take_trial()
+        each.take_trial()
+    (tmp_path / "before").mkdir()
+    (tmp_path / "meanwhile").mkdir()
+    before = reader(StudyFolder(tiny_study), tmp_path / "before")
+    with leaving_at_first_sight(leaver) as left:
+        assert reader(StudyFolder(tiny_study), tmp_path / "meanwhile") == before
     assert left
 
 
 @contextmanager
-def leaving_at_first_sight(database: Database, token: str) -> Iterator[list[str]]:
+def leaving_at_first_sight(leaver: Participant) -> Iterator[list[str]]:
     """Let a participant withdraw right after study sessions were first read."""
     left: list[str] = []
 
     def leave(_connection: Any, _cursor: Any, statement: str, *_rest: Any) -> None:
         if not left and StudySession.__tablename__ in statement:
-            left.append(token)
-            withdraw(database, token, SetClock())
+            left.append(leaver.token)
+            leaver.withdraw()
 
     event.listen(Engine, "after_cursor_execute", leave)
     try:
         yield left
     finally:
         event.remove(Engine, "after_cursor_execute", leave)
-
-
-def take_part(folder: StudyFolder, database: Database, name: str) -> str:
-    """Let somebody answer two trials and stop."""
-    participant = Participant(database, ServedStudy.read(folder.root), SetClock())
-    open_study(database, participant.served, participant.clock)
-    participant.enrol(name).begin()
-    for _ in range(2):
-        participant.take_trial()
-    return participant.token
-
-
-def made(folder: Path) -> Path:
-    folder.mkdir()
-    return folder

@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, expect
 from renderer.viewer.page import policy_hash
 from studyapp.results.report import report
 from studyapp.study.folder import StudyFolder
-from tests.functional.browsing import IN_A_BROWSER, SOFTWARE_GRAPHICS, launched
+from tests.functional.browsing import IN_A_BROWSER, SOFTWARE_GRAPHICS, launched, watched_page
 from tests.studyapp.results.conftest import Answered, with_motion
 
 
@@ -91,16 +91,10 @@ def test_sound_comes_from_finished_videos_if_there_is_no_recording(answered: Ans
 def test_a_pair_plays_in_a_self_contained_report(
     path: Path, browser: Callable[..., AbstractContextManager[Browser]]
 ) -> None:
-    asked: list[str] = []
-    complaints: list[str] = []
-    with browser(*SOFTWARE_GRAPHICS) as chromium:
-        page = chromium.new_page()
-        page.on("request", lambda request: asked.append(request.url))
-        page.on(
-            "console",
-            lambda message: complaints.append(message.text) if message.type == "error" else None,
-        )
-        page.on("pageerror", lambda error: complaints.append(str(error)))
+    with (
+        browser(*SOFTWARE_GRAPHICS) as chromium,
+        watched_page(chromium, path.as_uri()) as page,
+    ):
         page.goto(path.as_uri())
         pair = page.locator(".playable").first
         pair.get_by_role("button").first.click()
@@ -109,5 +103,3 @@ def test_a_pair_plays_in_a_self_contained_report(
         # On paper nothing can be played.
         page.emulate_media(media="print")
         expect(page.locator("#motion")).to_be_hidden()
-    assert asked == [path.as_uri()]
-    assert complaints == []

@@ -21,7 +21,9 @@ def recruited_once(
     def make(protocol: str) -> Path:
         root = tmp_path_factory.mktemp("recruited") / "study"
         shutil.copytree(answered_once(protocol, stop_after=1, more=FORM), root)
-        _recruit(root)
+        # Somebody arrives by a recruiter's link, fills in a form, and views the first trial.
+        with taking_part(root) as participant:
+            participant.arrive(Arrival(**SAID)).begin().look()
         return root
 
     return make
@@ -33,9 +35,3 @@ def answered(recruited_once: Callable[[str], Path], tmp_path: Path) -> Callable[
     return lambda protocol: StudyFolder(
         shutil.copytree(recruited_once(protocol), tmp_path / protocol)
     )
-
-
-def _recruit(root: Path) -> None:
-    """Let somebody arrive by a recruiter's link, fill in a form, and view the first trial."""
-    with taking_part(root) as participant:
-        participant.arrive(Arrival(**SAID)).begin().look()

@@ -40,14 +40,10 @@ NAMES = tuple(value for value in SAID.values() if isinstance(value, str))
 def secrets_of(folder: StudyFolder) -> set[str]:
     """Return everything with which a reader of a table could identify or impersonate a
     participant."""
+    one = StudySession
+    columns = (one.token, one.visit, one.completion_code, Trial.token, Video.token)
     with reading(folder.responses) as session:
-        found = {
-            *session.scalars(select(StudySession.token)),
-            *session.scalars(select(StudySession.visit)),
-            *session.scalars(select(StudySession.completion_code)),
-            *session.scalars(select(Trial.token)),
-            *session.scalars(select(Video.token)),
-        }
+        found = {name for column in columns for name in session.scalars(select(column))}
     key = folder.pseudonym_key
     return {name for name in found if name} | ({key.read_text().strip()} if key.exists() else set())
 

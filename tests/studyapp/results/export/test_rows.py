@@ -22,9 +22,13 @@ def test_a_catch_trials_other_condition_is_the_flawed_one(participant: Participa
 
 
 @BOTH
-def test_the_participant_flow_counts_every_study_session(participant: Participant) -> None:
+def test_the_participant_flow_counts_every_study_session_and_marks_unplayable_videos(
+    participant: Participant,
+) -> None:
     participant.take_trial()
     participant.leave_out()
+    skipped_at = participant.clock.now()
+    participant.look()
     participant.another().enrol("other").begin().take_all()
     participant.another().enrol("third")
 
@@ -34,6 +38,10 @@ def test_the_participant_flow_counts_every_study_session(participant: Participan
     assert flow["answered"].tolist() == [1, 6, 0]
     assert flow["unplayable"].tolist() == [1, 0, 0]
     assert flow["presentations"].tolist() == [6, 6, 6]
+    watched = read_once(participant.database, watching_table)
+    own = watched[watched["study_session"] == 1]
+    assert own["position"].tolist() == [1, 2, 3]
+    assert own["unplayable_at"].tolist() == [pd.NaT, skipped_at, pd.NaT]
     assert pd.Timestamp(flow["completed_at"][1]).tzinfo is not None
 
 
@@ -59,16 +67,6 @@ def test_a_video_is_one_row_with_all_measurements(participant: Participant) -> N
     assert row["unplayable_at"] is None
     assert unsent["sent_at"] is pd.NaT
     assert (unsent["watched"], unsent["times_played"]) == (0.0, 1.0)
-
-
-def test_a_video_that_does_not_play_is_marked(participant: Participant) -> None:
-    participant.leave_out()
-    participant.look()
-
-    table = read_once(participant.database, watching_table)
-
-    assert table["position"].tolist() == [1, 2]
-    assert table["unplayable_at"].tolist() == [participant.clock.now(), pd.NaT]
 
 
 def test_refusals_are_exported_without_tokens(participant: Participant) -> None:
