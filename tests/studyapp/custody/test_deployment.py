@@ -202,11 +202,10 @@ def test_scripts_pass_shellcheck(tmp_path: Path, study: Deployment) -> None:
             assert output_of("shellcheck", script) == ""
 
 
+@needs("psql")
 def test_postgresql_setup_is_idempotent_and_utf_8(
     tmp_path: Path, postgresql: ThrowawayPostgresql
 ) -> None:
-    if shutil.which("psql") is None:
-        pytest.skip("psql is not installed")
     study = deployment().model_copy(update={"folder": PurePosixPath("/srv/deployed-here")})
     script = tmp_path / "database.sql"
     # The role is another one here: the tests' role exists already, and owns everything.

@@ -18,11 +18,9 @@ from studyapp.monitoring.overview import Overview, overview
 from studyapp.monitoring.study_sessions import STANDINGS, Selection, list_study_sessions
 from studyapp.session.ending import MIN_SKIPPED_TRIALS, withdraw
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import open_study
 from studyapp.session.watch_evidence import Playback
 from tests.support.servers.both_databases import BOTH
-from tests.support.studies.stored import opened as opened_file
-from tests.support.studies.taking_part_steps import Participant, SetClock
+from tests.support.studies.taking_part_steps import Participant, SetClock, taking_part
 
 
 def people(database: Database, served: ServedStudy, clock: SetClock) -> None:
@@ -106,21 +104,19 @@ def test_a_study_without_participants_has_an_overview(
     assert found.decisions == ()
 
 
-def test_opposite_answers_look_the_same(tmp_path: Path, served: ServedStudy) -> None:
+def test_opposite_answers_look_the_same(tiny_study: Path) -> None:
     found = []
     for rhythm, emotion in (("2", "-2"), ("-2", "2")):
-        clock = SetClock()
-        with opened_file(tmp_path / f"{rhythm}.db") as database:
-            open_study(database, served, clock)
-            one = Participant(database, served, clock).enrol().begin()
+        with taking_part(tiny_study, f"{rhythm}.db") as one:
+            one.enrol().begin()
             while (trial := one.look().trial) is not None:
-                with database.reading() as session:
+                with one.database.reading() as session:
                     better = session.scalar(
                         select(Trial.expected).where(Trial.token == trial.token)
                     )
                 right = {1: "-2", 2: "2"}.get(better or 0)
                 one.take_trial({"rhythm": right or rhythm, "emotion": right or emotion})
-            found.append(overview(database, served, clock.now()))
+            found.append(overview(one.database, one.served, one.clock.now()))
 
     assert found[0] == found[1]
 
@@ -142,27 +138,12 @@ def test_participants_who_skipped_too_many_videos_are_listed_with_the_number(
     ]
 
 
-def video(**changes: Any) -> VideoShowings:
-    values: dict[str, Any] = {
-        "what": "s: a | b",
-        "shown": 20,
-        "stalled": 0,
-        "stalled_seconds": 0.0,
-        "dropped_share": 0.01,
-        "unplayable": 0,
-    }
-    return VideoShowings(**(values | changes))
-
-
-def item(careful: int, careful_failed: int) -> CheckedItem:
-    return CheckedItem(
-        kind="catch",
-        item="s: a and broken",
-        answered=20,
-        failed=9,
-        careful=careful,
-        careful_failed=careful_failed,
-    )
+VIDEO = VideoShowings(
+    what="s: a | b", shown=20, stalled=0, stalled_seconds=0.0, dropped_share=0.01, unplayable=0
+)
+ITEM = CheckedItem(
+    kind="catch", item="s: a and broken", answered=20, failed=9, careful=10, careful_failed=3
+)
 
 
 def left(count: int, came: int, position: int = 3) -> tuple[Dropout, ...]:
@@ -184,13 +165,13 @@ def quiet(opened: Database, served: ServedStudy, clock: SetClock) -> Overview:
     ("change", "message"),
     [
         ({"is_open": False}, "4 of 10 places are done, and nobody new is admitted"),
-        ({"videos": (video(unplayable=2),)}, "2 of 20 said that s: a | b does not play"),
+        ({"videos": (replace(VIDEO, unplayable=2),)}, "2 of 20 said that s: a | b does not play"),
         (
-            {"videos": (video(stalled=4, stalled_seconds=12.0),)},
+            {"videos": (replace(VIDEO, stalled=4, stalled_seconds=12.0),)},
             "waited for data in 4 of 20 showings, for 12 s",
         ),
-        ({"videos": (video(dropped_share=0.25),)}, "left out 25% of the pictures"),
-        ({"items": (item(10, 3),)}, "failed by 3 of 10 participants who failed no other one"),
+        ({"videos": (replace(VIDEO, dropped_share=0.25),)}, "left out 25% of the pictures"),
+        ({"items": (ITEM,)}, "failed by 3 of 10 participants who failed no other one"),
         ({"dropouts": left(3, 30)}, "3 of 30 who came so far left at trial 3"),
         ({"dropouts": left(5, 30, position=0)}, "left before the first trial"),
         ({"announced_minutes": 7}, "longer than 10 min; 7 are announced"),
@@ -208,11 +189,11 @@ def test_findings_come_with_their_numbers_and_a_remedy(
 def test_chance_and_single_events_need_no_decision(quiet: Overview) -> None:
     for change in (
         {},
-        {"videos": (video(unplayable=1),)},
-        {"videos": (video(stalled=3),)},
-        {"videos": (video(shown=9, stalled=9, dropped_share=0.5),)},
-        {"videos": (video(dropped_share=None),)},
-        {"items": (item(10, 2), item(4, 4))},
+        {"videos": (replace(VIDEO, unplayable=1),)},
+        {"videos": (replace(VIDEO, stalled=3),)},
+        {"videos": (replace(VIDEO, shown=9, stalled=9, dropped_share=0.5),)},
+        {"videos": (replace(VIDEO, dropped_share=None),)},
+        {"items": (replace(ITEM, careful_failed=2), replace(ITEM, careful=4, careful_failed=4))},
         {"dropouts": left(2, 4)},
         {"dropouts": left(3, 31)},
         {"announced_minutes": 8},

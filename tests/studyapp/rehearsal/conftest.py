@@ -2,7 +2,6 @@
 
 import shutil
 from collections.abc import Iterator
-from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -13,9 +12,7 @@ from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy
-from studyapp.web.app import create_app
-from studyapp.web.site import EXTENSION
-from tests.studyapp.rehearsal.steps import SPEED, participant_of
+from tests.studyapp.rehearsal.steps import SPEED, application, participant_of
 from tests.support.studies.added_condition import add_condition
 from tests.support.studies.made_study import make_study
 from tests.support.studies.redefining import redefine
@@ -60,8 +57,7 @@ def folder(rendered: Path, tmp_path: Path) -> StudyFolder:
 @pytest.fixture
 def app(folder: StudyFolder) -> Iterator[Flask]:
     """The real application, as a rehearsal runs it."""
-    made = create_app(folder.root, rehearsal_speed=SPEED)
-    with closing(made.extensions[EXTENSION].database):
+    with application(folder, SPEED) as made:
         yield made
 
 

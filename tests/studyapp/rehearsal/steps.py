@@ -1,6 +1,7 @@
 """Simulated participants in the real application, without a server in between."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from threading import Event
 
@@ -13,6 +14,8 @@ from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.study.folder import StudyFolder
+from studyapp.web.app import create_app
+from studyapp.web.site import EXTENSION
 
 SPEED = 200.0
 
@@ -31,6 +34,14 @@ class SpoiltTransport(httpx.WSGITransport):
         html = self.spoil(response.read().decode())
         headers = {k: v for k, v in response.headers.items() if k.lower() != "content-length"}
         return httpx.Response(response.status_code, headers=headers, text=html)
+
+
+@contextmanager
+def application(folder: StudyFolder, speed: float | None) -> Iterator[Flask]:
+    """Give the real application; a rehearsal's has a speed."""
+    made = create_app(folder.root, rehearsal_speed=speed)
+    with closing(made.extensions[EXTENSION].database):
+        yield made
 
 
 def browser(app: Flask, spoil: Callable[[str], str] = str) -> httpx.Client:

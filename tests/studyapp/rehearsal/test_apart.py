@@ -2,12 +2,9 @@
 
 import shutil
 import zipfile
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pytest
-from flask import Flask
 from sqlalchemy import func, select
 
 from studyapp.database.engine import sqlite_url
@@ -20,10 +17,8 @@ from studyapp.recruitment.record import RecruitmentRecord, write_record
 from studyapp.rehearsal.resumption import prepare
 from studyapp.results.answers import read_answers
 from studyapp.study.folder import StudyFolder
-from studyapp.web.app import create_app
-from studyapp.web.site import EXTENSION
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
-from tests.studyapp.rehearsal.steps import SPEED, browser, participant_of
+from tests.studyapp.rehearsal.steps import SPEED, application, browser, participant_of
 from tests.support.command_line import run
 from tests.support.studies.answered_study import answer_study
 from tests.support.studies.stored import opened, reading
@@ -32,13 +27,6 @@ REAL = 2
 TRIALS = 6
 QUESTIONS = 2
 PERSON = "p1"
-
-
-@contextmanager
-def application(folder: StudyFolder, speed: float | None) -> Iterator[Flask]:
-    made = create_app(folder.root, rehearsal_speed=speed)
-    with closing(made.extensions[EXTENSION].database):
-        yield made
 
 
 def rows(path: Path) -> tuple[int, ...]:

@@ -29,6 +29,8 @@ def wrong(recovery: Recovery) -> list[str]:
 def test_lost_or_changed_answers_are_detected(
     folder: StudyFolder, app: Flask, participant: Participant, eyes: Eyes
 ) -> None:
+    with pytest.raises(InputError, match="has not been rehearsed"):
+        recover(folder)
     people = replace(participant.population, kinds={"careless": 0.5, "dropping_out": 0.5})
     expected = expectations(folder.study(), folder.segments(), population=people, seed=1)
     truth = Truth(seed=participant.seed, study="", population=people, expected=expected)
@@ -60,11 +62,6 @@ def test_lost_or_changed_answers_are_detected(
     spoilt = wrong(recover(folder))
     assert "acknowledged answers, stored once and as they were given" in spoilt
     assert "were shown the code that is stored, each another one" in spoilt
-
-
-def test_without_a_rehearsal_there_is_no_comparison(folder: StudyFolder) -> None:
-    with pytest.raises(InputError, match="has not been rehearsed"):
-        recover(folder)
 
 
 def test_an_unfinished_line_among_acknowledgements_is_left_out(folder: StudyFolder) -> None:

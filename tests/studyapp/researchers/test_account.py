@@ -144,16 +144,9 @@ def test_a_revoked_link_cannot_be_used(door: Door) -> None:
 
 def at_once(do: Callable[[Given], object], each: Sequence[Given]) -> list[type[BaseException]]:
     """Do something several times side by side; return what was raised."""
-
-    def tried(given: Given) -> type[BaseException] | None:
-        try:
-            do(given)
-        except InputError as error:
-            return type(error)
-        return None
-
     with ThreadPoolExecutor(6) as pool:
-        return [raised for raised in pool.map(tried, each) if raised is not None]
+        done = [pool.submit(do, given) for given in each]
+    return [type(error) for error in (one.exception() for one in done) if error is not None]
 
 
 def test_simultaneous_attempts_count_towards_the_limit(door: Door) -> None:

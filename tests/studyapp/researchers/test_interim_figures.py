@@ -22,7 +22,6 @@ from studyapp.researchers.interim_figures import (
     stored_figures,
 )
 from studyapp.results.looks import figures_so_far
-from studyapp.session.served_study import ServedStudy
 from studyapp.side_process import SideProcessError
 from studyapp.study.folder import StudyFolder
 from tests.support.in_process_figures import InProcessFigures
@@ -54,11 +53,10 @@ def figures(tmp_path: Path) -> CountedFigures:
 
 
 @pytest.fixture
-def comer(opened: Database, served: ServedStudy, clock: SetClock) -> Participant:
+def comer(participant: Participant) -> Participant:
     """Return a participant who has answered one trial."""
-    comer = Participant(opened, served, clock).enrol().begin()
-    comer.take_trial()
-    return comer
+    participant.take_trial()
+    return participant
 
 
 @pytest.fixture
@@ -74,11 +72,7 @@ def test_figures_are_recomputed_only_after_a_change_and_a_pause(
     assert (first.document, first.is_computing, second.is_computing) == ("", True, True)
     assert figures.work() == 1
     current = ask()
-    assert (current.document, current.is_current, current.is_computing) == (
-        "results 1",
-        True,
-        False,
-    )
+    assert current.document == "results 1" and current.is_current and not current.is_computing
     clock.advance(seconds=REST + 1)
     assert ask().is_current and figures.work() == 0
 
