@@ -27,7 +27,6 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
 from tests.support.servers.both_databases import BOTH
-from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
 from tests.support.studies.stored import everything_stored, opened
 from tests.support.studies.taking_part_steps import Participant, SetClock, taking_part
 
@@ -174,17 +173,16 @@ def stored(folder: StudyFolder) -> dict[str, str]:
         return everything_stored(database)
 
 
+on_postgresql = pytest.mark.parametrize("empty_url", ["postgresql"], indirect=True)
+
+
+@on_postgresql
 def test_a_study_moves_from_sqlite_to_postgresql_and_back(
-    study: Study,
-    new: StudyFolder,
-    tmp_path: Path,
-    postgresql: ThrowawayPostgresql,
-    monkeypatch: pytest.MonkeyPatch,
+    study: Study, new: StudyFolder, tmp_path: Path, empty_url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made = study.back_up(media=True)
-    url = postgresql.create_database("restored")
-    monkeypatch.setenv("DATABASE_URL", url)
-    password = url.split(":")[2].split("@")[0]
+    monkeypatch.setenv("DATABASE_URL", empty_url)
+    password = empty_url.split(":")[2].split("@")[0]
 
     _, address = restore(made.path, new, study.clock)
     again = back_up(new, study.backups / "again.zip", study.clock, media=True)
@@ -200,23 +198,21 @@ def test_a_study_moves_from_sqlite_to_postgresql_and_back(
     assert again.manifest.rows == made.manifest.rows | {"audit_lines": 1}
     for text in (address, again.database, again.path.read_bytes().decode("latin-1")):
         assert password not in text
-    postgresql.drop_database("restored")
 
 
+@on_postgresql
 def test_postgresql_stays_empty_if_files_cannot_be_moved(
-    study: Study, new: StudyFolder, postgresql: ThrowawayPostgresql, monkeypatch: pytest.MonkeyPatch
+    study: Study, new: StudyFolder, empty_url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made = study.back_up()
-    url = postgresql.create_database("unfilled")
-    monkeypatch.setenv("DATABASE_URL", url)
+    monkeypatch.setenv("DATABASE_URL", empty_url)
     monkeypatch.setattr(shutil, "move", fail)
 
     with pytest.raises(OSError, match="No space"):
         restore(made.path, new, study.clock)
 
-    require_empty(url)
+    require_empty(empty_url)
     assert not new.root.exists()
-    postgresql.drop_database("unfilled")
 
 
 def test_a_backup_that_names_files_outside_the_study_is_refused(
