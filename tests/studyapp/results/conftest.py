@@ -9,14 +9,10 @@ from pathlib import Path
 import pytest
 
 from motion.segment import write_segments
-from studyapp.database.tables.study_session import StudySession
-from studyapp.session.ending import withdraw
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.answered_study import answer_study
 from tests.support.studies.redefining import redefine
-from tests.support.studies.stored import opened
 from tests.support.studies.takes import write_motion, write_speech
-from tests.support.studies.taking_part_steps import SetClock
 
 Answered = Callable[..., StudyFolder]
 
@@ -58,14 +54,6 @@ def answered(answered_once: Callable[..., Path], tmp_path: Path) -> Answered:
         )
 
     return copy
-
-
-def leave(folder: StudyFolder, study_session: int) -> None:
-    """Let a participant withdraw."""
-    with opened(folder.responses) as database:
-        with database.reading() as session:
-            token = session.get_one(StudySession, study_session).token
-        withdraw(database, token, SetClock())
 
 
 def with_motion(folder: StudyFolder, *conditions: str) -> StudyFolder:

@@ -14,8 +14,9 @@ from studyapp.results.export.sharing import share
 from studyapp.results.export.tables import export
 from studyapp.results.report import report
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.results.conftest import leave, with_motion
+from tests.studyapp.results.conftest import with_motion
 from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
+from tests.support.studies.taking_part_steps import taking_part
 
 Answered = Callable[[str], StudyFolder]
 
@@ -125,7 +126,8 @@ def test_only_the_number_of_withdrawn_participants_is_shared(
     answered: Answered, tmp_path: Path
 ) -> None:
     folder = answered("pairwise")
-    leave(folder, 2)
+    with taking_part(folder.root) as second:
+        second.enrol("visit1").withdraw()
 
     done = share(folder, tmp_path / "out")
 
