@@ -53,8 +53,8 @@ def test_a_study_is_compared_with_its_ground_truth_also_by_the_evaluator_that_it
     with pytest.raises(InputError, match="no such file"):
         measure_study(folder, **QUICK)
     write_checkpoint(folder.root, "ted")
-    found = measure_study(folder, **QUICK).conditions
-    names = {score.name for score in found if score.condition == other}
+    measured = measure_study(folder, **QUICK).conditions
+    names = {score.name for score in measured if score.condition == other}
     published = "FGD (TED's evaluator)", "FGD by the published rule (TED's evaluator)"
     assert {*published} <= names
 
