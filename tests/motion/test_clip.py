@@ -14,11 +14,7 @@ from motion.resample import cut, resample
 from motion.skeleton import JOINT_NAMES, REST_JOINTS, forward_kinematics, joint_index
 from tests.motion.random_clips import assert_same_clip, clip_of, random_clip
 
-STILL: dict[str, Any] = {
-    "poses": np.zeros((4, 55, 3)),
-    "trans": np.zeros((4, 3)),
-    "frame_rate": 30,
-}
+STILL: dict[str, Any] = {"poses": np.zeros((4, 55, 3)), "trans": np.zeros((4, 3)), "frame_rate": 30}
 
 
 @pytest.mark.parametrize("kind", [np.float16, np.float32, np.float64, np.int64])

@@ -37,9 +37,7 @@ def bit_rate(video: Path) -> bytes:
         return bytes(stream.codec_context.bit_rate.to_bytes(4, "big"))
 
 
-def test_only_the_bit_rates_of_the_sound_are_cleared(
-    tmp_path: Path,
-) -> None:
+def test_only_the_bit_rates_of_the_sound_are_cleared(tmp_path: Path) -> None:
     video = tmp_path / "video.mp4"
     write_video(video, VideoRecipe(frames=30, sound=NOISE))
     sound, rate = packets(video, "audio"), bit_rate(video)

@@ -20,8 +20,7 @@ def _run(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize(
-    ("platform", "remark"),
-    [("osmesa", "apt-get install libosmesa6"), ("glx", "looked for glx")],
+    ("platform", "remark"), [("osmesa", "apt-get install libosmesa6"), ("glx", "looked for glx")]
 )
 def test_a_missing_offscreen_library_names_what_to_install(platform: str, remark: str) -> None:
     code = "import ctypes.util; ctypes.util.find_library = lambda n: None; import renderer.opengl"

@@ -104,9 +104,7 @@ def lasting(stream: VideoStream | AudioStream) -> Fraction:
     return stream.duration * stream.time_base
 
 
-def test_a_video_has_exactly_its_speechs_frames_and_colour_tags(
-    video: Path,
-) -> None:
+def test_a_video_has_exactly_its_speechs_frames_and_colour_tags(video: Path) -> None:
     with av.open(str(video)) as container:
         stream = container.streams.video[0]
         assert stream.average_rate == 30

@@ -27,9 +27,7 @@ def test_both_run_at_once_if_there_are_threads() -> None:
     assert first != second == get_ident()
 
 
-def test_each_gets_half_of_the_threads_without_gradients_and_returns_them(
-    given: int,
-) -> None:
+def test_each_gets_half_of_the_threads_without_gradients_and_returns_them(given: int) -> None:
     weight = torch.ones(1, requires_grad=True)
     with torch.inference_mode():
         results = side_by_side(

@@ -106,12 +106,7 @@ def test_a_take_without_a_face_is_refused_with_the_missing_file(take: Take) -> N
     ids=["thinned out", "a row fewer than declared", "truncated"],
 )
 def test_motion_is_read_at_the_rate_that_fits_the_sound_or_refused(
-    tmp_path: Path,
-    seconds: float,
-    rate: int,
-    promised: int,
-    sound: float,
-    frame_rate: float | None,
+    tmp_path: Path, seconds: float, rate: int, promised: int, sound: float, frame_rate: float | None
 ) -> None:
     write_beat_motion(tmp_path / "2_scott_0_9_9.bvh", seconds, (1,), rate, promised=promised)
     write_clicks(tmp_path / "2_scott_0_9_9.wav", sound)

@@ -48,9 +48,7 @@ def _recording(folder: Path, hertz: float, seconds: float = 4.0) -> Path:
     return path
 
 
-def test_windows_of_long_speech_with_a_long_pause_are_recorded(
-    settings: AmuseSettings,
-) -> None:
+def test_windows_of_long_speech_with_a_long_pause_are_recorded(settings: AmuseSettings) -> None:
     heard: list[tuple[int, int]] = []
     samples = _speech(30.0).audio.samples.copy()
     samples[9 * 16_000 : 21 * 16_000] = 0

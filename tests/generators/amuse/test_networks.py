@@ -46,9 +46,7 @@ def test_motion_and_latents_do_not_depend_on_the_rest_of_the_batch() -> None:
         torch.testing.assert_close(together[alone], expected)
 
 
-def test_the_noise_follows_from_a_predicted_velocity(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_noise_follows_from_a_predicted_velocity(monkeypatch: pytest.MonkeyPatch) -> None:
     denoiser = Denoiser(replace(SMALL, predicts="v")).eval()
     z0, eps = torch.randn(2, 3, 1, SMALL.width)
     t = torch.tensor([10, 500, 990])

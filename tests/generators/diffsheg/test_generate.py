@@ -136,9 +136,7 @@ PAGE = Path(__file__).parents[3] / "docs" / "diffsheg.md"
 
 
 def test_the_documented_example_of_streaming_works(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (example,) = re.findall(r"```python\n([^`]*stream_clips[^`]*)```", PAGE.read_text("utf-8"))
     written_network(tmp_path / "tiny.safetensors")

@@ -62,9 +62,7 @@ def stats(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_body_statistics_precede_the_faces_which_may_be_in_another_folder(
-    stats: Path,
-) -> None:
+def test_body_statistics_precede_the_faces_which_may_be_in_another_folder(stats: Path) -> None:
     (stats / "facial52").mkdir()
     (stats / "json_mean.npy").rename(stats / "facial52" / "json_mean.npy")
     result = read_normalisation(stats, SMALL)

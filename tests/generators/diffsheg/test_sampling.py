@@ -65,9 +65,7 @@ def spoken(frames: int) -> SpeechFrames:
 
 
 def moved(
-    sampler: Sampler,
-    pieces: Sequence[SpeechFrames] = (spoken(24),),
-    sampling: Sampling = SAMPLING,
+    sampler: Sampler, pieces: Sequence[SpeechFrames] = (spoken(24),), sampling: Sampling = SAMPLING
 ) -> Tensor:
     return torch.cat(
         list(stream(pieces, sampler, frames=FRAMES, width=WIDTH, sampling=sampling, seed=1))

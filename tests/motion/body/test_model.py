@@ -159,9 +159,7 @@ def test_a_damaged_or_missing_body_is_refused_by_name(arrays: Arrays, tmp_path: 
         read_body(tmp_path / "gone.npz")
 
 
-def test_only_licensed_files_have_mean_hands_left_then_right(
-    tmp_path: Path,
-) -> None:
+def test_only_licensed_files_have_mean_hands_left_then_right(tmp_path: Path) -> None:
     left, right = np.arange(45.0), -np.arange(45.0)
     np.savez(tmp_path / "a.npz", hands_meanl=left, hands_meanr=right)
     hands = read_mean_hands(tmp_path / "a.npz")

@@ -145,9 +145,7 @@ def test_a_truncated_file_is_never_accepted(
         read_bvh(path)
 
 
-def test_a_skeleton_of_200000_nested_joints_is_refused_early(
-    tmp_path: Path,
-) -> None:
+def test_a_skeleton_of_200000_nested_joints_is_refused_early(tmp_path: Path) -> None:
     joints = "".join(f"JOINT j{number}\n{{\nOFFSET 0 1 0\n" for number in range(200_000))
     path = save_bvh_text(
         tmp_path / "deep.bvh", f"HIERARCHY\nROOT r\n{{\nOFFSET 0 0 0\n{joints}MOTION\n"

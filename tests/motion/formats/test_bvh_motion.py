@@ -7,10 +7,7 @@ from hypothesis import example, given, settings
 
 from motion.clip import MotionClip
 from motion.formats.bvh import read_bvh
-from motion.formats.bvh_motion import (
-    settle_first_frame,
-    write_clip_bvh,
-)
+from motion.formats.bvh_motion import settle_first_frame, write_clip_bvh
 from motion.skeleton import JOINT_NAMES, REST_JOINTS, forward_kinematics
 from tests.motion.formats.bvh_text import CHAIN, columns_of, read_chain
 from tests.motion.random_clips import clip_of, clips
@@ -50,8 +47,7 @@ _JUMPING[3] = columns_of(CHAIN, {"hip": (-170, 0, 90), "knee": (0, 90, 0)})
 
 
 @pytest.mark.parametrize(
-    "rows",
-    [_bending(hip=(80, 0, 0), knee=(0, 0, 60)), _JUMPING, *(_bending()[:n] for n in (1, 2))],
+    "rows", [_bending(hip=(80, 0, 0), knee=(0, 0, 60)), _JUMPING, *(_bending()[:n] for n in (1, 2))]
 )
 def test_quick_starts_and_frequent_jumps_are_not_mistaken_for_calibration(
     tmp_path: Path, rows: np.ndarray

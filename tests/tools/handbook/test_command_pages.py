@@ -2,14 +2,7 @@ import re
 
 import pytest
 
-from tools.handbook.command_pages import (
-    HEADINGS,
-    INDEX,
-    PAGES,
-    by_hand,
-    commands,
-    pages,
-)
+from tools.handbook.command_pages import HEADINGS, INDEX, PAGES, by_hand, commands, pages
 
 WRITTEN = {path.stem: path.read_text(encoding="utf-8") for path in sorted(PAGES.glob("*.md"))}
 COMMANDS = [name for name in commands() if " " not in name]

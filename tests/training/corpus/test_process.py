@@ -38,9 +38,7 @@ def test_the_drive_is_the_same_curve_at_any_frame_rate(process: Process) -> None
         assert np.corrcoef(a, b)[0, 1] > 0.9
 
 
-def test_takes_follow_their_own_speech_best_and_differ_by_chance(
-    process: Process,
-) -> None:
+def test_takes_follow_their_own_speech_best_and_differ_by_chance(process: Process) -> None:
     takes = []
     for seed in range(6):
         chance = Chance(seed=(seed,))

@@ -174,9 +174,7 @@ def test_pickles_are_never_opened_and_the_conversion_is_explained(tmp_path: Path
     assert not (tmp_path / "sprung").exists()
 
 
-def test_ted_is_read_from_arrays_by_split_and_talk_not_from_its_database(
-    tmp_path: Path,
-) -> None:
+def test_ted_is_read_from_arrays_by_split_and_talk_not_from_its_database(tmp_path: Path) -> None:
     touch(tmp_path / "lmdb_train" / "data.mdb", tmp_path / "lmdb_train" / "lock.mdb")
     with pytest.raises(InputError, match=r"docs/data\.md.*pickled"):
         read_takes(tmp_path)

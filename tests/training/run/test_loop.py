@@ -145,9 +145,7 @@ def test_training_keeps_the_callers_random_state_and_settings(tmp_path: Path) ->
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_a_nan_loss_and_a_missing_gpu_are_reported(
-    tmp_path: Path,
-) -> None:
+def test_a_nan_loss_and_a_missing_gpu_are_reported(tmp_path: Path) -> None:
     with pytest.raises(
         InputError, match=r"loss is no longer a number.*step 1.*smaller learning rate"
     ):

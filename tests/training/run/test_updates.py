@@ -196,11 +196,7 @@ def test_a_resumed_run_with_passes_and_stages_ends_in_the_same_bytes(tmp_path: P
         weight_decay=0.1,
         optimizer="adamw",
         gradient_clip=0.5,
-        passes=(
-            replace(LEADER, end=5),
-            FOLLOWER,
-            replace(LEADER, name="late", first=5),
-        ),
+        passes=(replace(LEADER, end=5), FOLLOWER, replace(LEADER, name="late", first=5)),
     )
     parts = files_of_run(Following(normed=True), config, tmp_path / "parts", 1, 5, 8)
     assert parts == files_of_run(Following(normed=True), config, tmp_path / "whole")

@@ -47,9 +47,7 @@ def test_an_image_network_is_converted_to_one_for_sound(tmp_path: Path) -> None:
     torch.testing.assert_close(fitted[:, 5], own[:, 4])
 
 
-def test_another_size_or_architecture_is_refused_with_the_difference(
-    tmp_path: Path,
-) -> None:
+def test_another_size_or_architecture_is_refused_with_the_difference(tmp_path: Path) -> None:
     from transformers import ASTConfig, ASTModel
 
     ASTModel(ASTConfig(hidden_size=8, num_hidden_layers=1, num_attention_heads=2)).save_pretrained(
