@@ -12,9 +12,9 @@ from generators.interface import StudyClips
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.segment import Segment
-from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
+from motion.skeleton import joint_index
 from tests.generators.conftest import ClipsInMemory, spoken
-from tests.motion.random_clips import arkit_of
+from tests.motion.random_clips import arkit_of, joint_positions
 
 ARM = [joint_index(f"{side}_{part}") for side in ("left", "right") for part in ("elbow", "wrist")]
 
@@ -23,9 +23,8 @@ def test_a_still_body_has_both_hands_hanging_beside_it() -> None:
     clip = Static().generate(spoken("a", 3.0), seed=0, frame_rate=30)
     assert (clip.poses == clip.poses[0]).all()
     assert not arkit_of(clip).any()
-    joints, _ = forward_kinematics(clip.poses[:1], clip.trans[:1], REST_JOINTS)
-    left = joints[0, joint_index("left_wrist")]
-    assert left[1] < joints[0, joint_index("pelvis"), 1]
+    left, pelvis = joint_positions(clip)[0, [joint_index("left_wrist"), joint_index("pelvis")]]
+    assert left[1] < pelvis[1]
     assert 0.17 < left[0] < 0.4
 
 
@@ -68,8 +67,7 @@ def test_a_segment_without_a_partner_is_refused() -> None:
 
 def jerk(clip: MotionClip) -> np.ndarray:
     """Size of the third derivative of elbows and wrists, m/s^3, shape (T - 3, 4)."""
-    joints, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    third = np.diff(joints[:, ARM], n=3, axis=0) * clip.frame_rate**3
+    third = np.diff(joint_positions(clip)[:, ARM], n=3, axis=0) * clip.frame_rate**3
     return np.asarray(np.linalg.norm(third, axis=2))
 
 

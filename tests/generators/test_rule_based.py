@@ -23,7 +23,7 @@ from motion.segment import EMOTIONS
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 from renderer.look import default_body
 from tests.generators.conftest import as_speech, spoken, syllables
-from tests.motion.random_clips import arkit_of
+from tests.motion.random_clips import arkit_of, joint_positions
 
 Clips = dict[tuple[str, int], tuple[SpeechSegment, MotionClip]]
 RATE = 30
@@ -32,13 +32,9 @@ SECONDS = 8.0
 WRISTS = [joint_index("left_wrist"), joint_index("right_wrist")]
 
 
-def joints_of(clip: MotionClip) -> np.ndarray:
-    return forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[0]
-
-
 def wrist_speed(clip: MotionClip) -> np.ndarray:
     """Speed of the faster wrist in m/s between frames, shape (T - 1,)."""
-    steps = np.linalg.norm(np.diff(joints_of(clip)[:, WRISTS], axis=0), axis=2)
+    steps = np.linalg.norm(np.diff(joint_positions(clip)[:, WRISTS], axis=0), axis=2)
     return np.asarray(steps.max(axis=1) * clip.frame_rate)
 
 
@@ -109,7 +105,7 @@ def test_limbs_move_smoothly_without_penetration_and_feet_stay(
     clips: Clips, body: PenetrableBody, emotion: str
 ) -> None:
     clip = clips[emotion, 1][1]
-    depths, joints = body.depths(clip), joints_of(clip)
+    depths, joints = body.depths(clip), joint_positions(clip)
     assert depths.max() < 0.01
     assert depths.mean() < 0.001
     hands = ("wrist", "middle1", "middle3", "index3", "pinky3")
@@ -140,7 +136,7 @@ def test_anger_and_joy_move_more_than_neutral_and_sadness_less(clips: Clips) -> 
 
 def test_sadness_lowers_head_and_shoulders_and_fear_raises_the_shoulders(clips: Clips) -> None:
     height = {
-        emotion: joints_of(clips[emotion, 0][1])[:, :, 1].mean(axis=0)
+        emotion: joint_positions(clips[emotion, 0][1])[:, :, 1].mean(axis=0)
         for emotion in ("neutral", "sadness", "fear")
     }
     head, shoulder = joint_index("head"), joint_index("left_shoulder")

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from motion.arrays import Floats32
+from motion.arrays import Floats, Floats32
 from motion.clip import GENDERS, MotionClip
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 
@@ -24,6 +24,10 @@ def clip_of(
     return MotionClip(frame_rate=frame_rate, **arrays)
 
 
+def joint_positions(clip: MotionClip, rest: Numbers = REST_JOINTS) -> Floats:
+    return forward_kinematics(clip.poses, clip.trans, rest)[0]
+
+
 def largest_angle(
     one: MotionClip,
     other: MotionClip,
@@ -32,7 +36,7 @@ def largest_angle(
 ) -> float:
     """Return the largest angle in degrees between the directions of any of `bones` in two clips."""
     starts, ends = ([joint_index(bone[side]) for bone in bones] for side in (0, 1))
-    at = [forward_kinematics(clip.poses, clip.trans, rest)[0] for clip in (one, other)]
+    at = [joint_positions(clip, rest) for clip in (one, other)]
     first, second = (each[:, ends] - each[:, starts] for each in at)
     across = np.linalg.norm(np.cross(first, second), axis=2)
     return float(np.degrees(np.arctan2(across, (first * second).sum(axis=2))).max())

@@ -26,14 +26,11 @@ JOINTS = {
 """Joints that each framing shows."""
 
 
-def _points(clip: MotionClip, body: BodyModel, names: tuple[str, ...]) -> np.ndarray:
-    return joints_of(clip, body)[:, [joint_index(name) for name in names]]
-
-
 def _is_in_picture(
     clip: MotionClip, body: BodyModel, names: tuple[str, ...], camera: Camera
 ) -> bool:
-    pixels = project(_points(clip, body, names), camera, 100)[..., :2]
+    points = joints_of(clip, body)[:, [joint_index(name) for name in names]]
+    pixels = project(points, camera, 100)[..., :2]
     return bool(pixels.min() > 0 and pixels.max() < 100)
 
 
@@ -44,19 +41,13 @@ def arms_wide(clip: MotionClip) -> MotionClip:
 
 @pytest.mark.parametrize("view", VIEWS)
 @pytest.mark.parametrize("framing", FRAMINGS)
-def test_the_framed_joints_of_every_clip_in_any_order_are_in_the_picture(
+def test_the_framed_joints_even_of_one_wide_clip_in_ten_in_any_order_are_in_the_picture(
     framing: str, view: str, clip: MotionClip, arms_wide: MotionClip, body: BodyModel
 ) -> None:
-    camera = frame_clips([clip, arms_wide], body, Look(framing=framing, view=view))
+    clips, look = [clip] * 9 + [arms_wide], Look(framing=framing, view=view)
+    camera = frame_clips(clips, body, look)
     assert all(_is_in_picture(each, body, JOINTS[framing], camera) for each in (clip, arms_wide))
-    assert camera == frame_clips([arms_wide, clip], body, Look(framing=framing, view=view))
-
-
-def test_one_wide_clip_among_many_narrow_ones_is_in_the_picture(
-    clip: MotionClip, arms_wide: MotionClip, body: BodyModel
-) -> None:
-    camera = frame_clips([clip] * 9 + [arms_wide], body, Look())
-    assert _is_in_picture(arms_wide, body, HANDS, camera)
+    assert camera == frame_clips(clips[::-1], body, look)
 
 
 def test_slightly_smaller_motion_keeps_the_camera(

@@ -104,12 +104,6 @@ def test_a_translation_is_in_its_language(catalogue: Catalog) -> None:
         assert set(translations(message)) != set(texts(message)), message.id
 
 
-@pytest.fixture
-def code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(message_catalogues, "ROOT", tmp_path)
-    return tmp_path / "code.py"
-
-
 @pytest.mark.parametrize(
     "written",
     [
@@ -119,8 +113,11 @@ def code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         'raise UnacceptableError("What.")',
     ],
 )
-def test_a_text_that_cannot_be_extracted_is_refused(code: Path, written: str) -> None:
-    code.write_text(written, "utf-8")
+def test_a_text_that_cannot_be_extracted_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, written: str
+) -> None:
+    monkeypatch.setattr(message_catalogues, "ROOT", tmp_path)
+    (tmp_path / "code.py").write_text(written, "utf-8")
 
     with pytest.raises(ValueError, match=r"code\.py:1: .* not a literal"):
-        list(texts_of_code(code))
+        list(texts_of_code(tmp_path / "code.py"))

@@ -24,6 +24,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from tests.generators.amuse.small_networks import MOTION, SPEECH, written_networks
 from tests.generators.conftest import as_speech
+from tests.support.sounds import tone
 
 
 @pytest.fixture(name="settings", scope="module")
@@ -31,26 +32,23 @@ def _settings(tmp_path_factory: pytest.TempPathFactory) -> AmuseSettings:
     return written_networks(tmp_path_factory.mktemp("amuse"))
 
 
-def _speech(seconds: float, hertz: float = 180.0, rate: int = 16_000) -> SpeechSegment:
-    times = np.arange(round(seconds * rate)) / rate
-    loud = 0.3 + 0.2 * np.sin(2 * np.pi * 3 * times)
-    samples = (loud * np.sin(2 * np.pi * hertz * times)).astype(np.float32)
-    return as_speech(Audio(samples, rate), "hello", speaker="anna")
+def _speech(seconds: float, hertz: float = 180.0) -> SpeechSegment:
+    return as_speech(tone(seconds, hertz), "hello", speaker="anna")
 
 
 def _clip(settings: AmuseSettings, speech: SpeechSegment, seed: int = 1) -> MotionClip:
     return Amuse(settings, "cpu").generate(speech, seed=seed, frame_rate=30)
 
 
-def _recording(folder: Path, hertz: float, seconds: float = 4.0) -> Path:
+def _recording(folder: Path, hertz: float) -> Path:
     path = folder / f"{hertz:g}.wav"
-    write_wav(path, _speech(seconds, hertz).audio)
+    write_wav(path, tone(4.0, hertz))
     return path
 
 
 def test_windows_of_long_speech_with_a_long_pause_are_recorded(settings: AmuseSettings) -> None:
     heard: list[tuple[int, int]] = []
-    samples = _speech(30.0).audio.samples.copy()
+    samples = tone(30.0, 180).samples.copy()
     samples[9 * 16_000 : 21 * 16_000] = 0
     speech = as_speech(Audio(samples, 16_000), speaker="anna")
     clip = Amuse(settings, "cpu").generate(

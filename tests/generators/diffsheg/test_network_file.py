@@ -50,27 +50,21 @@ SMALL = replace(BEAT, gesture_width=3, expression_width=2)
 FILES = {
     "axis_angle_mean": [0.0, 1.0, 2.0],
     "axis_angle_std": [1.0, 0.0, 2.3e-8],
-    "json_mean": [0.1, 0.2],
+    "facial52/json_mean": [0.1, 0.2],
     "json_std": [0.5, 0.25],
 }
 
 
-@pytest.fixture
-def stats(tmp_path: Path) -> Path:
+def test_body_statistics_precede_the_faces_which_may_be_in_another_folder(tmp_path: Path) -> None:
+    (tmp_path / "facial52").mkdir()
     for name, values in FILES.items():
         np.save(tmp_path / f"{name}.npy", np.array(values))
-    return tmp_path
-
-
-def test_body_statistics_precede_the_faces_which_may_be_in_another_folder(stats: Path) -> None:
-    (stats / "facial52").mkdir()
-    (stats / "json_mean.npy").rename(stats / "facial52" / "json_mean.npy")
-    result = read_normalisation(stats, SMALL)
+    result = read_normalisation(tmp_path, SMALL)
     assert result.mean.tolist() == [0.0, 1.0, 2.0, 0.1, 0.2]
     assert result.std.tolist() == [1.0, 0.0, 2.3e-8, 0.5, 0.25]
-    (stats / "json_std.npy").unlink()
+    (tmp_path / "json_std.npy").unlink()
     with pytest.raises(InputError, match=r"json_std\.npy: .*not an array of 2 finite numbers"):
-        read_normalisation(stats, SMALL)
+        read_normalisation(tmp_path, SMALL)
 
 
 @pytest.mark.slow

@@ -8,10 +8,9 @@ import pytest
 
 from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
-from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import PARENTS
-from tests.motion.random_clips import clip_of
+from tests.motion.random_clips import arkit_of, random_clip
 
 Arrays = dict[str, Any]
 VERTICES = 300
@@ -59,20 +58,14 @@ def _read(folder: Path, arrays: Arrays, **given: Any) -> BodyModel:
     return read_body(folder / "smplx_random.npz", **given)
 
 
-def _clip(frames: int, seed: int = 0, **more: Any) -> MotionClip:
-    rng = np.random.default_rng(seed)
-    return clip_of(rng.normal(0, 0.4, (frames, 55, 3)), rng.normal(0, 1, (frames, 3)), **more)
-
-
 @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::UserWarning")
 def test_vertices_match_smplx(tmp_path: Path) -> None:
     smplx = pytest.importorskip("smplx")
     torch = pytest.importorskip("torch")
     body = _read(tmp_path, _random_arrays(LICENSED))
-    rng = np.random.default_rng(1)
-    expressions = np.zeros((4, 100), np.float32)
-    expressions[:, :10] = rng.normal(0, 1, (4, 10))
-    clip = _clip(4, betas=rng.normal(0, 1, 10), expressions=expressions)
+    clip = random_clip(4)
+    expressions = np.pad(np.ones((4, 10), np.float32), ((0, 0), (0, 90)))
+    clip = replace(clip, betas=clip.betas[:10], expressions=expressions, arkit=None)
     model = smplx.create(
         str(tmp_path / "smplx_random.npz"), model_type="smplx", ext="npz", use_pca=False,
         flat_hand_mean=True,
@@ -98,17 +91,16 @@ def test_vertices_match_smplx(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("part", [slice(0, 8), slice(3, 17), slice(18, 30)])
 def test_posing_some_frames_equals_posing_all(body: BodyModel, part: slice) -> None:
-    clip = _clip(19)
+    clip = random_clip(19)
     np.testing.assert_allclose(body.vertices(clip, part), body.vertices(clip)[part], atol=1e-5)
 
 
 def test_a_face_in_other_parameters_needs_a_matrix(body: BodyModel) -> None:
-    rng = np.random.default_rng(5)
-    matrix = rng.normal(0, 1, (100, 52)).astype(np.float32)
-    coefficients, weights = rng.normal(0, 1, (2, 100)), rng.random((2, 52))
+    matrix = np.random.default_rng(5).normal(0, 1, (100, 52)).astype(np.float32)
+    clip = random_clip(2)
     for has_slots, foreign, expected in (
-        (True, _clip(2, expressions=coefficients), np.clip(coefficients @ matrix, 0, 1)),
-        (False, _clip(2, arkit=weights), weights @ matrix.T),
+        (True, replace(clip, arkit=None), np.clip(clip.expressions @ matrix, 0, 1)),
+        (False, replace(clip, expressions=None), arkit_of(clip) @ matrix.T),
     ):
         without = replace(body, has_arkit_slots=has_slots)
         assert without.face(foreign) is None

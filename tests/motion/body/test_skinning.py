@@ -16,12 +16,6 @@ def _on_forearm(*shares: tuple[float, float]) -> TwistJoints:
     return TwistJoints(bones=bones, shares=np.array(shares))
 
 
-def _twisted(elbow: float, wrist: float) -> np.ndarray:
-    poses = np.zeros((1, JOINT_COUNT, 3))
-    poses[0, ELBOW], poses[0, WRIST] = elbow * ALONG, wrist * ALONG
-    return poses
-
-
 @given(
     swing=st.floats(-3, 3),
     twist=st.floats(-3, 3),
@@ -42,8 +36,9 @@ def test_twist_is_the_rotation_without_the_swing(
 def test_skin_of_the_forearm_turns_from_the_upper_arm_to_the_hand(
     elbow: float, wrist: float, share: float
 ) -> None:
-    joints = _on_forearm((share - 1, share))
-    matrix = skinning_matrices(_twisted(elbow, wrist), np.zeros((1, 3)), REST_JOINTS, joints)
+    poses, joints = np.zeros((1, JOINT_COUNT, 3)), _on_forearm((share - 1, share))
+    poses[0, ELBOW], poses[0, WRIST] = elbow * ALONG, wrist * ALONG
+    matrix = skinning_matrices(poses, np.zeros((1, 3)), REST_JOINTS, joints)
     turn = Rotation.from_matrix(matrix[0, -1, :, :3]).as_rotvec()
     np.testing.assert_allclose(turn, share * (elbow + wrist) * ALONG, atol=1e-6)
 

@@ -6,13 +6,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analysis.evaluators.published_presets import ted_joints
+from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.arrays import Floats
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion
 from motion.formats.ted_npz import BONES, read_ted_npz
 from motion.skeleton import BODY_JOINTS, REST_JOINTS, forward_kinematics, joint_index
-from tests.motion.random_clips import clip_of, largest_angle
+from tests.motion.random_clips import joint_positions, largest_angle
 
 ARMS = [
     (f"{side}_{start}", f"{side}_{end}")
@@ -21,19 +22,7 @@ ARMS = [
 ]
 
 
-def gesturing(frames: int = 90) -> MotionClip:
-    """Return a clip of a person who stands, gestures and looks around."""
-    time = np.linspace(0, 3, frames)
-    poses = np.zeros((frames, 55, 3))
-    for side, sign in (("left", 1), ("right", -1)):
-        poses[:, joint_index(f"{side}_shoulder"), 2] = -sign * (1.1 + 0.2 * np.sin(3 * time))
-        poses[:, joint_index(f"{side}_elbow"), 1] = -sign * (0.9 + 0.5 * np.cos(4 * time))
-    poses[:, joint_index("head")] = 0.2 * np.sin(time)[:, None] * [0.2, 1, 0.2]
-    return clip_of(poses)
-
-
-def positions(clip: MotionClip) -> Floats:
-    return forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[0]
+CLIP = gesturing_clip(3, 30)
 
 
 def detected(clip: MotionClip) -> dict[str, Floats]:
@@ -51,8 +40,7 @@ def detected(clip: MotionClip) -> dict[str, Floats]:
 
 
 def test_units_and_up_axes_of_named_joints_do_not_matter(tmp_path: Path) -> None:
-    clip = gesturing()
-    at = positions(clip)[:, : len(BODY_JOINTS)]
+    at = joint_positions(CLIP)[:, : len(BODY_JOINTS)]
     up = Rotation.from_euler("x", 90, degrees=True).as_matrix()
     np.savez(tmp_path / "y.npz", joints=at, names=BODY_JOINTS, fps=30)
     np.savez(tmp_path / "z.npz", joints=1000 * at @ up.T + 5, names=BODY_JOINTS, fps=30)
@@ -62,7 +50,7 @@ def test_units_and_up_axes_of_named_joints_do_not_matter(tmp_path: Path) -> None
         read_motion(tmp_path / "z.npz"),
         read_motion(tmp_path / "order.npy", frame_rate=30),
     ]
-    assert largest_angle(clips[0], clip, ARMS) < 1
+    assert largest_angle(clips[0], CLIP, ARMS) < 1
     for other in clips[1:]:
         np.testing.assert_allclose(other.poses, clips[0].poses, atol=1e-3)
     assert clips[0].provenance["format"] == "joint positions"
@@ -70,35 +58,33 @@ def test_units_and_up_axes_of_named_joints_do_not_matter(tmp_path: Path) -> None
 
 
 def test_joints_named_by_another_tool_and_seen_by_a_camera_are_read(tmp_path: Path) -> None:
-    clip = gesturing()
     points = {
         "".join(word.title() for word in name.split("_")): values
-        for name, values in detected(clip).items()
+        for name, values in detected(CLIP).items()
     }
     camera = Rotation.from_euler("xy", [190, 25], degrees=True)
     seen = np.stack([camera.apply(values) for values in points.values()], axis=1)
     np.savez(tmp_path / "seen.npz", joints=seen, names=list(points), fps=30)
     result = read_motion(tmp_path / "seen.npz")
-    assert largest_angle(result, clip, ARMS) < 6
+    assert largest_angle(result, CLIP, ARMS) < 6
     rotation = result.poses[:, joint_index("neck")] + result.poses[:, joint_index("head")]
-    np.testing.assert_allclose(rotation[:, 1], clip.poses[:, joint_index("head"), 1], atol=0.06)
+    np.testing.assert_allclose(rotation[:, 1], CLIP.poses[:, joint_index("head"), 1], atol=0.06)
 
 
 def test_a_joint_map_names_an_unknown_skeleton(tmp_path: Path) -> None:
-    clip = gesturing()
     names = [f"j{number}" for number in range(22)]
-    np.savez(tmp_path / "a.npz", joints=positions(clip)[:, :22], names=names, fps=30)
+    np.savez(tmp_path / "a.npz", joints=joint_positions(CLIP)[:, :22], names=names, fps=30)
     with pytest.raises(InputError, match=r"a\.npz: the joints lack left_shoulder.*; they are j0"):
         read_motion(tmp_path / "a.npz")
     joint_map = dict(zip(BODY_JOINTS, names, strict=True))
-    assert largest_angle(read_motion(tmp_path / "a.npz", joint_map=joint_map), clip, ARMS) < 1
+    assert largest_angle(read_motion(tmp_path / "a.npz", joint_map=joint_map), CLIP, ARMS) < 1
     with pytest.raises(InputError, match="no joint 'x'"):
         read_motion(tmp_path / "a.npz", joint_map={"pelvis": "x"})
 
 
 def test_clips_of_ted_gesture_are_read_as_motion(tmp_path: Path) -> None:
-    np.savez(tmp_path / "a.npz", joints=ted_joints(gesturing()), frame_rate=30)
-    assert largest_angle(read_motion(tmp_path / "a.npz"), gesturing(), ARMS) < 4
+    np.savez(tmp_path / "a.npz", joints=ted_joints(CLIP), frame_rate=30)
+    assert largest_angle(read_motion(tmp_path / "a.npz"), CLIP, ARMS) < 4
 
 
 NAMED: dict[str, Any] = {"joints": np.zeros((3, 22, 3)), "names": BODY_JOINTS, "fps": 30}

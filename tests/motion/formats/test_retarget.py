@@ -248,11 +248,9 @@ def _in_t_pose(calibration: dict[str, float], heading: float = 0) -> MotionClip:
     vectors = np.zeros((55, 3))
     for name, pitch in calibration.items():
         vectors[joint_index(name), 0] = np.radians(pitch)
-    turns = Rotation.from_rotvec(vectors)
-    turns = Rotation.concatenate(
-        [Rotation.from_euler("y", heading, degrees=True) * turns[0], *turns[1:]]
-    )
-    motion = bvh_motion(changed(), turns)
+    turned = Rotation.from_euler("y", heading, degrees=True)
+    vectors[0] = (turned * Rotation.from_rotvec(vectors[0])).as_rotvec()
+    motion = bvh_motion(changed(), Rotation.from_rotvec(vectors))
     return retarget(replace(motion, calibration=motion.values[0]), OWN)
 
 

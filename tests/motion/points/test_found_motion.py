@@ -4,6 +4,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.arrays import Floats, Indices
 from motion.body.face_landmarks import landmark_vertices
 from motion.body.model import BodyModel
@@ -11,7 +12,7 @@ from motion.clip import MotionClip, arkit_index
 from motion.points.detection import Detection, stretches
 from motion.points.found_motion import clip_from_detection
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
-from tests.motion.random_clips import arkit_of, clip_of, largest_angle
+from tests.motion.random_clips import arkit_of, joint_positions, largest_angle
 
 FRAMES = 150
 JAW = arkit_index("jawOpen")
@@ -24,11 +25,7 @@ def talking() -> MotionClip:
     arkit = np.zeros((FRAMES, 52))
     arkit[:, JAW] = 0.35 - 0.35 * np.cos(5 * time)
     arkit[:, BLINK] = arkit[:, arkit_index("eyeBlinkRight")] = time % 2 < 0.2
-    poses = np.zeros((FRAMES, 55, 3))
-    for side, sign in (("left", 1), ("right", -1)):
-        poses[:, joint_index(f"{side}_shoulder"), 2] = -sign * 1.1
-        poses[:, joint_index(f"{side}_elbow"), 1] = -sign * (1.2 + 0.4 * np.sin(2 * time))
-    return clip_of(poses, arkit=arkit)
+    return replace(gesturing_clip(5, 30), arkit=arkit)
 
 
 def pose_of(clip: MotionClip) -> Floats:
@@ -38,16 +35,11 @@ def pose_of(clip: MotionClip) -> Floats:
     head, rotations = at[:, joint_index("head")], turns[:, joint_index("head")]
     for place, offset in {0: (0, 0.026, 0.12), 7: (0.08, 0.05, 0), 8: (-0.08, 0.05, 0)}.items():
         pose[:, place] = head + rotations @ np.array(offset)
-    parts = ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
-    for part, first in zip(parts, (11, 13, 15, 23, 25, 27), strict=True):
-        for side, place in (("left", first), ("right", first + 1)):
-            pose[:, place] = at[:, joint_index(f"{side}_{part}")]
-    for side, first in (("left", 17), ("right", 18)):
-        for place, finger in ((first, "pinky1"), (first + 2, "index1"), (first + 4, "thumb1")):
-            pose[:, place] = at[:, joint_index(f"{side}_{finger}")]
-    return Rotation.from_euler("xy", [185, 15], degrees=True).apply(pose.reshape(-1, 3)).reshape(
-        FRAMES, 33, 3
-    )  # fmt: skip
+    limbs = ("shoulder", "elbow", "wrist", "pinky1", "index1", "thumb1", "hip", "knee", "ankle")
+    names = [f"{side}_{part}" for part in limbs for side in ("left", "right")]
+    pose[:, 11:29] = at[:, [joint_index(name) for name in names]]
+    camera = Rotation.from_euler("xy", [185, 15], degrees=True)
+    return np.asarray(pose @ camera.as_matrix().T)
 
 
 def face_of(clip: MotionClip, body: BodyModel) -> Floats:
@@ -117,7 +109,7 @@ def test_an_arm_out_of_the_picture_hangs_with_a_note(body: BodyModel) -> None:
         detection(pose=pose_of(clip), face=face_of(clip, body), visibility=visibility), body
     )
     assert "left arm is out of the picture" in result.provenance["notes"]
-    at = forward_kinematics(result.poses, result.trans, REST_JOINTS)[0]
+    at = joint_positions(result)
     hanging = at[:, joint_index("left_wrist"), 1] < at[:, joint_index("left_shoulder"), 1] - 0.3
     assert hanging.all()
 

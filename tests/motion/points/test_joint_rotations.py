@@ -4,24 +4,20 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from motion.arrays import Floats, Floats32
+from motion.arrays import Floats32
 from motion.body.model import read_body
 from motion.clip import MotionClip
 from motion.formats.ted_npz import JOINT_NAMES as TEN_JOINTS
 from motion.points.joint_rotations import clip_from_joints
-from motion.skeleton import BODY_JOINTS, JOINT_NAMES, PARENTS, forward_kinematics, joint_index
+from motion.skeleton import BODY_JOINTS, JOINT_NAMES, PARENTS, joint_index
 from renderer.look import default_body
-from tests.motion.random_clips import largest_angle, random_clip
+from tests.motion.random_clips import joint_positions, largest_angle, random_clip
 
 REST = read_body(default_body()).joints(np.zeros(0))
 
 
-def positions(clip: MotionClip) -> Floats:
-    return forward_kinematics(clip.poses, clip.trans, REST)[0]
-
-
 def chosen(clip: MotionClip, names: tuple[str, ...] = TEN_JOINTS) -> Floats32:
-    return positions(clip)[:, [joint_index(name) for name in names]].astype(np.float32)
+    return joint_positions(clip, REST)[:, [joint_index(name) for name in names]].astype(np.float32)
 
 
 def clip_from(points: Floats32, names: tuple[str, ...] = TEN_JOINTS) -> MotionClip:
@@ -60,7 +56,7 @@ def test_without_limbs_the_body_stands_with_arms_down_and_relaxed_hands() -> Non
     clip = replace(clip, poses=0.3 * clip.poses)
     needed = ("pelvis", "neck", "left_shoulder", "right_shoulder")
     back = clip_from(chosen(clip, needed), needed)
-    after = positions(back)
+    after = joint_positions(back, REST)
     hips, feet = (
         after[:, [joint_index(f"{side}_{part}") for side in ("left", "right")]].mean(axis=1)
         for part in ("hip", "foot")
