@@ -21,13 +21,8 @@ SECONDS = 0.8
 
 
 @pytest.fixture(scope="session")
-def body_path() -> Path:
-    return default_body()
-
-
-@pytest.fixture(scope="session")
-def body(body_path: Path) -> BodyModel:
-    return read_body(body_path)
+def body() -> BodyModel:
+    return read_body(default_body())
 
 
 @pytest.fixture(scope="session")
@@ -59,7 +54,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory, clip: MotionClip) -> Path:
 
 
 @pytest.fixture(scope="session")
-def job(inputs: Path, body_path: Path, camera: Camera, small_look: Look) -> ClipJob:
+def job(inputs: Path, camera: Camera, small_look: Look) -> ClipJob:
     """Return a job of the clip with the beginning of its speech, which writes no file yet."""
     return ClipJob(
         name="clip",
@@ -68,7 +63,7 @@ def job(inputs: Path, body_path: Path, camera: Camera, small_look: Look) -> Clip
         start=0.0,
         end=SECONDS,
         freeze=(),
-        body=body_path,
+        body=default_body(),
         camera=camera,
         look=small_look,
         frames=None,

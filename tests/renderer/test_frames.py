@@ -35,22 +35,20 @@ def test_a_frame_matches_its_golden_picture(
         assert_like_golden(np.asarray(still(stage, clip, 0.5)), name, tmp_path)
 
 
-def test_the_face_matches_its_golden_picture(
-    clip: MotionClip, body_path: Path, tmp_path: Path
-) -> None:
+def test_the_face_matches_its_golden_picture(clip: MotionClip, tmp_path: Path) -> None:
     close = Camera(eye=(0, 0.28, 1.7), target=(0, 0.26, 0), field_of_view=10)
-    with Stage(body_path, close, Look(size=160)) as stage:
+    with Stage(default_body(), close, Look(size=160)) as stage:
         assert_like_golden(np.asarray(still(stage, clip, 0.7)), "face", tmp_path)
 
 
 @pytest.mark.parametrize(("framing", "metres"), [("face", 2.0), ("full_body", 20.0)])
 def test_a_speaker_who_walks_far_is_seen_by_a_camera_far_away(
-    framing: str, metres: float, clip: MotionClip, body: BodyModel, body_path: Path
+    framing: str, metres: float, clip: MotionClip, body: BodyModel
 ) -> None:
     look = Look(size=160, framing=framing)
     ahead = np.linspace([-metres, 0, 0], [metres, 0, 0], len(clip), dtype=np.float32)
     walking = replace(clip, trans=clip.trans + ahead)
-    with Stage(body_path, frame_clips([walking], body, look), look) as stage:
+    with Stage(default_body(), frame_clips([walking], body, look), look) as stage:
         picture = np.asarray(still(stage, walking, clip.duration / 2)).astype(int)
     assert (np.abs(picture - look.background).max(axis=2) > 60).any()
 
@@ -84,12 +82,11 @@ def _planes(stage: Stage, clip: MotionClip) -> list[NDArray[np.int_]]:
     [("upper_body", None, 0), ("upper_body", CLOSE, 0), ("full_body", None, 1)],
 )
 def test_video_frames_equal_whole_pictures(
-    framing: str, camera: Camera | None, rounding: int,
-    clip: MotionClip, body: BodyModel, body_path: Path,
-) -> None:  # fmt: skip
+    framing: str, camera: Camera | None, rounding: int, clip: MotionClip, body: BodyModel
+) -> None:
     look = Look(size=160, framing=framing)
     part = clip.frames(slice(0, 4))
-    with Stage(body_path, camera or frame_clips([clip], body, look), look) as stage:
+    with Stage(default_body(), camera or frame_clips([clip], body, look), look) as stage:
         cropped = _planes(stage, part)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(PixelBox, "around", lambda *_: PixelBox.full(look.size * 2))

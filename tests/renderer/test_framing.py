@@ -1,5 +1,4 @@
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from motion.skeleton import joint_index
 from renderer.clip_video import Stage, still
 from renderer.figures.panels import joints_of
 from renderer.framing import Camera, frame_clips, project
-from renderer.look import BACKGROUND, FRAMINGS, VIEWS, Look
+from renderer.look import BACKGROUND, FRAMINGS, VIEWS, Look, default_body
 from renderer.shown_clip import frame_at
 
 HANDS = ("left_middle3", "right_middle3")
@@ -85,10 +84,10 @@ def test_an_invalid_look_is_refused(bad: dict[str, Any]) -> None:
 
 
 def test_projected_joints_lie_on_the_drawn_body(
-    clip: MotionClip, body: BodyModel, body_path: Path, camera: Camera
+    clip: MotionClip, body: BodyModel, camera: Camera
 ) -> None:
     seconds = 0.4
-    with Stage(body_path, camera, Look(size=240)) as stage:
+    with Stage(default_body(), camera, Look(size=240)) as stage:
         picture = np.asarray(still(stage, clip, seconds)).astype(int)
     joints = joints_of(frame_at(clip, seconds), body)[0]
     names = ("head", "left_elbow", "right_elbow", "left_middle1", "right_middle1", "spine2")

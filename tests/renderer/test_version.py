@@ -17,7 +17,7 @@ from PIL import Image
 from motion.arrays import Floats, Floats32
 from renderer.figures.sheet import draw_cell, glance_at
 from renderer.jobs.doing import Stages, do_job
-from renderer.look import CELL_VERSION, COPY_VERSION, RENDERER_VERSION, Look
+from renderer.look import CELL_VERSION, COPY_VERSION, RENDERER_VERSION, Look, default_body
 from renderer.stream_copy import copy_video
 from renderer.video_jobs import ClipJob, DubJob
 from tests.renderer.conftest import SECONDS
@@ -90,8 +90,8 @@ def test_the_text_form_of_a_look_is_stable() -> None:
     )
 
 
-def test_another_body_makes_other_videos(body_path: Path) -> None:
-    with np.load(body_path, allow_pickle=False) as body:
+def test_another_body_makes_other_videos() -> None:
+    with np.load(default_body(), allow_pickle=False) as body:
         result = [body[name] for name in ("v_template", "shapedirs", "weights")]
     assert fingerprint(*result) == pytest.approx(BODY[RENDERER_VERSION], abs=1e-5)
 

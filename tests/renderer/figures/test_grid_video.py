@@ -10,7 +10,7 @@ from renderer.clip_video import Stage, still
 from renderer.encoder import SOUND_RATE
 from renderer.figures.grid_video import GridLayout, write_grid
 from renderer.framing import Camera
-from renderer.look import BACKGROUND, Look
+from renderer.look import BACKGROUND, Look, default_body
 from tests.support.encoded import pictures_of, sound_of
 from tests.support.sounds import tone
 
@@ -21,8 +21,8 @@ SECONDS = 0.4
 
 
 @pytest.fixture(scope="module")
-def stage(body_path: Path, camera: Camera) -> Iterator[Stage]:
-    with Stage(body_path, camera, Look(size=SIZE)) as stage:
+def stage(camera: Camera) -> Iterator[Stage]:
+    with Stage(default_body(), camera, Look(size=SIZE)) as stage:
         yield stage
 
 

@@ -1,6 +1,5 @@
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,14 +19,14 @@ from renderer.figures.panels import (
     joints_of,
 )
 from renderer.framing import Camera, frame_clips, project
-from renderer.look import BACKGROUND, VIEWS, Look
+from renderer.look import BACKGROUND, VIEWS, Look, default_body
 from renderer.shown_clip import frame_at
 from tests.motion.random_clips import clip_of
 
 
 @pytest.fixture(scope="module")
-def stage(body_path: Path, camera: Camera, small_look: Look) -> Iterator[Stage]:
-    with Stage(body_path, camera, small_look) as stage:
+def stage(camera: Camera, small_look: Look) -> Iterator[Stage]:
+    with Stage(default_body(), camera, small_look) as stage:
         yield stage
 
 
