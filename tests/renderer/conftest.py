@@ -19,6 +19,8 @@ from tests.support.sounds import tone
 SECONDS = 0.8
 """Length of the test clip; no whole number of AAC frames."""
 
+SMALL_LOOK = Look(size=160)
+
 
 @pytest.fixture(scope="session")
 def body() -> BodyModel:
@@ -35,13 +37,8 @@ def clip() -> MotionClip:
 
 
 @pytest.fixture(scope="session")
-def small_look() -> Look:
-    return Look(size=160)
-
-
-@pytest.fixture(scope="session")
-def camera(clip: MotionClip, body: BodyModel, small_look: Look) -> Camera:
-    return frame_clips([clip], body, small_look)
+def camera(clip: MotionClip, body: BodyModel) -> Camera:
+    return frame_clips([clip], body, SMALL_LOOK)
 
 
 @pytest.fixture(scope="session")
@@ -54,7 +51,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory, clip: MotionClip) -> Path:
 
 
 @pytest.fixture(scope="session")
-def job(inputs: Path, camera: Camera, small_look: Look) -> ClipJob:
+def job(inputs: Path, camera: Camera) -> ClipJob:
     """Return a job of the clip with the beginning of its speech, which writes no file yet."""
     return ClipJob(
         name="clip",
@@ -65,7 +62,7 @@ def job(inputs: Path, camera: Camera, small_look: Look) -> ClipJob:
         freeze=(),
         body=default_body(),
         camera=camera,
-        look=small_look,
+        look=SMALL_LOOK,
         frames=None,
         video=None,
     )

@@ -5,7 +5,6 @@ import torch
 from safetensors.torch import save_file
 
 from motion.errors import InputError
-from training import weights_file
 from training.weights_file import read_weights, write_weights
 
 TENSORS = {"a.weight": torch.arange(6.0).reshape(2, 3).T, "b": torch.tensor([1], dtype=torch.uint8)}
@@ -41,8 +40,7 @@ def test_a_failed_write_leaves_the_old_file(
     write_weights(path, TENSORS, {})
     before = path.read_bytes()
     monkeypatch.setattr(
-        weights_file,
-        "save_file",
+        "training.weights_file.save_file",
         lambda tensors, draft, **rest: save_file(tensors, elsewhere, **rest),
     )
     with pytest.raises(InputError, match=r"w\.safetensors: .*cannot be stored.*Free space"):

@@ -95,8 +95,7 @@ def test_each_pass_trains_its_own_network(takes: PreparedTakes) -> None:
 
 
 def test_the_network_stores_the_spread_of_the_recordings(takes: PreparedTakes) -> None:
-    network = task(takes).network()
-    windows = Windows(takes, split="train", frames=34, stride=10)
+    network, windows = task(takes).network(), task(takes).training
     motion = windows.batch(np.arange(len(windows)))["motion"].reshape(-1, 27 + 3 * FACE.count)
     np.testing.assert_allclose(network.mean.numpy(), motion.mean(axis=0), atol=1e-5)
     deviation = np.maximum(motion.std(axis=0), 1e-5)

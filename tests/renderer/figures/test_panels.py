@@ -19,14 +19,15 @@ from renderer.figures.panels import (
     joints_of,
 )
 from renderer.framing import Camera, frame_clips, project
-from renderer.look import BACKGROUND, VIEWS, Look, default_body
+from renderer.look import BACKGROUND, VIEWS, default_body
 from renderer.shown_clip import frame_at
 from tests.motion.random_clips import clip_of
+from tests.renderer.conftest import SMALL_LOOK
 
 
 @pytest.fixture(scope="module")
-def stage(camera: Camera, small_look: Look) -> Iterator[Stage]:
-    with Stage(default_body(), camera, small_look) as stage:
+def stage(camera: Camera) -> Iterator[Stage]:
+    with Stage(default_body(), camera, SMALL_LOOK) as stage:
         yield stage
 
 
@@ -81,9 +82,9 @@ def test_a_box_contains_the_whole_figure_tightly(
 
 @pytest.mark.parametrize("view", VIEWS)
 def test_the_face_fills_the_picture_uncropped_from_the_cameras_side(
-    view: str, clip: MotionClip, body: BodyModel, small_look: Look
+    view: str, clip: MotionClip, body: BodyModel
 ) -> None:
-    camera = frame_clips([clip], body, replace(small_look, view=view))
+    camera = frame_clips([clip], body, replace(SMALL_LOOK, view=view))
     close = face_camera([clip], body, camera)
     assert close.field_of_view < camera.field_of_view / 2
     far, near = (np.subtract(each.eye, each.target) for each in (camera, close))

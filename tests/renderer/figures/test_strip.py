@@ -78,12 +78,8 @@ def test_the_print_width_is_exact_and_panels_are_not_resampled(tmp_path: Path, c
         assert image.size == (page.width, page.height)
         assert page.width == pytest.approx(600, abs=3)
         assert image.info["dpi"] == pytest.approx((300, 300), abs=0.1)
-        assert image.convert("RGBA").getpixel((0, page.height - 1)) == (
-            255,
-            255,
-            255,
-            255 * (not clear),
-        )
+        corner = image.convert("RGBA").getpixel((0, page.height - 1))
+        assert corner == (255, 255, 255, 0 if clear else 255)
         pixels = np.asarray(image.convert("RGB"))
     width, height = layout().panel
     for colour in COLOURS.values():

@@ -1,32 +1,12 @@
-from collections.abc import Iterator, Mapping
-
 import numpy as np
 import pytest
 
 from renderer.look import AVATARS, default_body
-from tools.avatars.anny_source import AnnyPerson, read_person
 from tools.avatars.assembly import build_body
 from tools.avatars.recipes import RECIPES
 
 
-@pytest.fixture(scope="module")
-def _read_once() -> Iterator[None]:
-    """Recipes may begin with the same person, which takes seconds to read."""
-    persons: dict[str, AnnyPerson] = {}
-
-    def read(phenotype: Mapping[str, float], details: Mapping[str, float]) -> AnnyPerson:
-        described = repr((phenotype, details))
-        if described not in persons:
-            persons[described] = read_person(phenotype, details)
-        return persons[described]
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("tools.avatars.assembly.read_person", read)
-        yield
-
-
 @pytest.mark.slow
-@pytest.mark.usefixtures("_read_once")
 @pytest.mark.parametrize("name", ["mannequin", "skeleton"])
 def test_the_shipped_body_matches_its_recipe(name: str) -> None:
     made = build_body(next(recipe for recipe in RECIPES if recipe.name == name))

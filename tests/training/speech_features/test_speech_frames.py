@@ -138,11 +138,10 @@ def test_long_speech_is_never_encoded_at_once() -> None:
 def test_long_speech_gives_the_same_features_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     audio = noise(6.5)
     whole = extract_all_frames(audio, 15, hubert()).mel
-    monkeypatch.setattr("training.speech_features.speech_frames.LONGEST_AT_ONCE", 4.0)
-    monkeypatch.setattr(
-        "training.speech_features.speech_frames.LONG_SPEECH_WINDOW",
-        StreamWindow(past=1, ahead=1.0, at_once=2),
-    )
+    module = "training.speech_features.speech_frames"
+    monkeypatch.setattr(f"{module}.LONGEST_AT_ONCE", 4.0)
+    short = StreamWindow(past=1, ahead=1.0, at_once=2)
+    monkeypatch.setattr(f"{module}.LONG_SPEECH_WINDOW", short)
     result = torch.cat([part.mel for part in extract_frames(audio, 15, hubert())])
     torch.testing.assert_close(result, whole, rtol=1e-4, atol=1e-6)
 
