@@ -98,6 +98,7 @@ def test_posing_some_frames_equals_posing_all(body: BodyModel, part: slice) -> N
 def test_a_face_in_other_parameters_needs_a_matrix(body: BodyModel) -> None:
     matrix = np.random.default_rng(5).normal(0, 1, (100, 52)).astype(np.float32)
     clip = random_clip(2)
+    assert clip.expressions is not None
     for has_slots, foreign, expected in (
         (True, replace(clip, arkit=None), np.clip(clip.expressions @ matrix, 0, 1)),
         (False, replace(clip, expressions=None), arkit_of(clip) @ matrix.T),
