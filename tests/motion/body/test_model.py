@@ -63,8 +63,8 @@ def test_vertices_match_smplx(tmp_path: Path) -> None:
     smplx = pytest.importorskip("smplx")
     torch = pytest.importorskip("torch")
     body = _read(tmp_path, _random_arrays(LICENSED))
-    clip = random_clip(4)
-    expressions = np.pad(np.ones((4, 10), np.float32), ((0, 0), (0, 90)))
+    clip, drawn = random_clip(4), np.random.default_rng(1).normal(size=(4, 10))
+    expressions = np.pad(drawn, ((0, 0), (0, 90))).astype(np.float32)
     clip = replace(clip, betas=clip.betas[:10], expressions=expressions, arkit=None)
     model = smplx.create(
         str(tmp_path / "smplx_random.npz"), model_type="smplx", ext="npz", use_pca=False,

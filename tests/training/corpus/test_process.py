@@ -71,14 +71,8 @@ def test_strokes_arrive_on_the_louder_of_nearby_syllables() -> None:
     loudness = sum(
         height * np.exp(-0.5 * ((times - moment) / 0.05) ** 2) for moment, height in peaks.items()
     )
-    nothing = np.zeros(len(times))
-    speech = SpeechCurves(
-        loudness=np.asarray(loudness),
-        slow_loudness=nothing,
-        pitch=nothing,
-        sounding=nothing,
-        brightness=nothing,
-    )
+    others = dict.fromkeys(("slow_loudness", "pitch", "sounding", "brightness"), 0 * times)
+    speech = SpeechCurves(loudness=np.asarray(loudness), **others)
     result = find_strokes(speech, spacing=0.5)
     # A Gaussian rises fastest one sigma before its peak.
     np.testing.assert_allclose(result.times, [1.25, 2.45], atol=0.011)
