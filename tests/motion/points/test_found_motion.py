@@ -22,7 +22,7 @@ BLINK = arkit_index("eyeBlinkLeft")
 def talking() -> MotionClip:
     """Return a clip of a face that opens its mouth and blinks, and of moving arms."""
     time = np.arange(FRAMES) / 30
-    arkit = np.zeros((FRAMES, 52))
+    arkit = np.zeros((FRAMES, 52), np.float32)
     arkit[:, JAW] = 0.35 - 0.35 * np.cos(5 * time)
     arkit[:, BLINK] = arkit[:, arkit_index("eyeBlinkRight")] = time % 2 < 0.2
     return replace(gesturing_clip(5, 30), arkit=arkit)
