@@ -1,6 +1,5 @@
 """Fixtures of browser tests, for modules with a fixture `study`."""
 
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -18,7 +17,9 @@ SECONDS = 1.0
 
 @pytest.fixture(scope="session", autouse=True)
 def _fast_applications() -> Iterator[None]:
-    with fast_applications():
+    with fast_applications(), pytest.MonkeyPatch.context() as patch:
+        # The answers of these studies are beside them.
+        patch.delenv("DATABASE_URL", raising=False)
         yield
 
 
@@ -28,14 +29,6 @@ def tiny_study_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("tiny-study")
     write_tiny_study(folder, seconds=SECONDS)
     return folder
-
-
-@pytest.fixture
-def lab(tmp_path: Path, tiny_study_template: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return the folder of a lab that has one study, which nobody owns."""
-    monkeypatch.delenv("DATABASE_URL", raising=False)
-    shutil.copytree(tiny_study_template, tmp_path / "lab" / "tiny")
-    return tmp_path / "lab"
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,6 @@
 """Studies in which every page for participants occurs."""
 
+import shutil
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -130,6 +131,17 @@ def write_shown_study(folder: Path, name: str, *, participants: int = 50) -> Non
     write_video(figure, map(_figure, range(FRAME_RATE)), seconds=1.0)
     keys: Keys = {"participants": participants, "page": PAGE} | STUDIES[name]
     write_finished_study(folder, video=figure, **keys)
+
+
+def write_way(folder: Path, tiny_study: Path, *, trials: int, page: str = "") -> None:
+    """Write the tiny study into `folder`, with everything around its trials."""
+    shutil.copytree(tiny_study, folder)
+    redefine(
+        folder,
+        ("[page]\n", f"[page]\nsound_check = true\n{page}"),
+        ("trials = 4\npractice = 1", f"trials = {trials}\npractice = 0"),
+        added=ELIGIBILITY + CONSENT + DEMOGRAPHICS + SCALE + CLOSING,
+    )
 
 
 def _figure(index: int) -> NDArray[np.uint8]:

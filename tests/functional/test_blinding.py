@@ -26,7 +26,7 @@ from studyapp.web.app import create_app
 from studyapp.web.site import attach, site_of
 from tests.functional.blinding import unlike_videos
 from tests.functional.blinding.receiving import Received, Recorder, described
-from tests.functional.blinding.studies import STUDIES, instructs, write_study
+from tests.functional.blinding.studies import STUDIES, write_study
 from tests.support.studies.taking_part_steps import SetClock
 
 pytestmark = pytest.mark.slow
@@ -103,7 +103,9 @@ def take_part(name: str, root: Path, change: Callable[[Plan], Plan]) -> tuple[An
         attach(app, replace(site, clock=clock))
         received: list[Received] = []
         for _ in range(SESSIONS):
-            received += Recorder(app, clock, questions=not instructs(name)).take_part()
+            # Attention checks say by their words what they are.
+            questions = STUDIES[name]["attention"] is None
+            received += Recorder(app, clock, questions=questions).take_part()
     site.database.close()
     folder.responses.unlink()
     return hidden(plans), received

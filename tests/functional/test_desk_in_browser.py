@@ -3,11 +3,12 @@
 With ``SCREENSHOTS=folder`` in the environment each page is also taken in every size.
 """
 
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, Route, expect
+from playwright.sync_api import Browser, Page, expect
 
 from studyapp.desk.inbox import LARGEST_PIECE
 from studyapp.study.folder import StudyFolder
@@ -49,9 +50,8 @@ def browser() -> Iterator[Browser]:
 
 
 def test_a_first_study_is_made_rehearsed_and_served_without_a_shell(
-    browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    browser: Browser, tmp_path: Path
 ) -> None:
-    monkeypatch.delenv("DATABASE_URL", raising=False)
     (tmp_path / "lab").mkdir()
     recordings = write_recordings(tmp_path / "recordings", seconds=SECONDS)
     with (
@@ -80,9 +80,10 @@ def test_a_first_study_is_made_rehearsed_and_served_without_a_shell(
 
 
 def test_an_interrupted_upload_resumes_and_its_motion_is_shown_in_3d(
-    browser: Browser, lab: Path, tmp_path: Path
+    browser: Browser, tiny_study_template: Path, tmp_path: Path
 ) -> None:
-    study = StudyFolder(lab / "tiny")
+    lab = tmp_path / "lab"
+    study = StudyFolder(Path(shutil.copytree(tiny_study_template, lab / "tiny")))
     for condition in ("mismatched", "broken"):
         write_motion(study.clip(condition, "take-0"), SECONDS)
     recording = write_speech(tmp_path / "long.wav", LONG_SECONDS)
@@ -128,11 +129,7 @@ def _upload_long_recording(page: Page, recording: Path, examine: Examine) -> Non
     """Upload a recording whose third chunk keeps getting lost, until the page is left."""
     assert recording.stat().st_size > 3 * LARGEST_PIECE
     pattern = f"**/uploads?*offset={2 * LARGEST_PIECE}"
-
-    def lose(route: Route) -> None:
-        route.abort("internetdisconnected")
-
-    page.route(pattern, lose)
+    page.route(pattern, lambda route: route.abort("internetdisconnected"))
     page.get_by_label("Files", exact=True).set_input_files(recording)
     page.get_by_role("button", name="Upload").click()
     expect(page.get_by_text("Waiting for the server")).to_be_visible()
@@ -152,17 +149,13 @@ def _turn_motion_around(page: Page, examine: Examine) -> None:
     """Go from the table to a segment in all conditions side by side, also on a phone."""
     follow(page.get_by_role("link", name="motion of broken for take-0"))
     page.get_by_role("button", name="Play rule based, mismatched, broken").click()
-    _expect_motion(page, "rule based", "mismatched", "broken")
+    viewer = page.locator(".motion-viewer")
+    expect(viewer.locator(".labels b")).to_have_text(["rule based", "mismatched", "broken"])
+    # It has played the motion to the end by itself.
+    wait_until(page, lambda: float(viewer.get_attribute("data-seconds") or "0") >= SECONDS - 0.1)
     examine(page, "segment")
     resize(page, SIZES["phone"])
     page.reload()
     page.get_by_role("button", name="Play rule based, mismatched, broken").click()
-    expect(page.locator(".motion-viewer")).to_have_attribute("data-rows", "2")
+    expect(viewer).to_have_attribute("data-rows", "2")
     resize(page, LAPTOP)
-
-
-def _expect_motion(page: Page, *names: str) -> None:
-    """Wait until the viewer shows motion by these names, and has played it to the end by itself."""
-    expect(page.locator(".motion-viewer .labels b")).to_have_text(names)
-    viewer = page.locator(".motion-viewer")
-    wait_until(page, lambda: float(viewer.get_attribute("data-seconds") or "0") >= SECONDS - 0.1)

@@ -3,7 +3,6 @@
 ``make engines`` runs these tests alone and keeps a screenshot of each page.
 """
 
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,9 +14,8 @@ from studyapp.database.tables.study_session import StudySession
 from studyapp.database.tables.trial import Response, WatchRecord
 from tests.functional.engines import PROGRAMS, Window, missing, window
 from tests.functional.joining import NAME, link_for_owner
-from tests.functional.test_way_in_browser import WAY
+from tests.functional.shown_studies import write_way
 from tests.support.researcher_accounts import PASSWORD
-from tests.support.studies.redefining import redefine
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -39,13 +37,7 @@ def engine(request: pytest.FixtureRequest) -> str:
 def study(engine: str, tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a study for each engine, with everything around its two trials."""
     folder = tmp_path_factory.mktemp(engine) / "study"
-    shutil.copytree(tiny_study_template, folder)
-    redefine(
-        folder,
-        ("[page]\n", "[page]\nsound_check = true\n"),
-        ("trials = 4\npractice = 1", "trials = 1\npractice = 0"),
-        added=WAY,
-    )
+    write_way(folder, tiny_study_template, trials=1)
     return folder
 
 

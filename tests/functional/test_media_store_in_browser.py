@@ -1,48 +1,35 @@
 """A participant's browser loads the videos from a store, under the pages' strict policy."""
 
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
 
 from studyapp.stimuli.publishing import publish
 from studyapp.study.folder import StudyFolder
 from studyapp.web.media_store import Place
 from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, serving
 from tests.functional.taking_part import begin_study, expect_trial, take_trial, watch
-from tests.support.servers.s3_stand_in import BUCKET, Store, s3_stand_in, use_keys
+from tests.support.servers.s3_stand_in import BUCKET, s3_stand_in, use_keys
 
 pytestmark = IN_A_BROWSER
 
 
-@contextmanager
-def published(study: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Store]:
-    """Publish the study's videos in a store, which answers until the block ends."""
-    use_keys(monkeypatch)
-    with s3_stand_in() as store:
-        place = Place(bucket=BUCKET, folder="my-study/", endpoint=store.endpoint)
-        publish(StudyFolder(study), place, lambda _done, _total: None)
-        yield store
-
-
-@pytest.fixture
-def page(browser: Browser) -> Page:
-    opened = browser.new_page()
-    opened.set_default_timeout(PATIENCE_MS)
-    return opened
-
-
 def test_videos_play_and_preload_from_a_store_that_learns_no_page_and_without_it_from_the_server(
-    page: Page, tiny_study: Path, monkeypatch: pytest.MonkeyPatch
+    browser: Browser, tiny_study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    page = browser.new_page()
+    page.set_default_timeout(PATIENCE_MS)
     complaints: list[str] = []
     page.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
     answers: list[str] = []
     page.on("response", lambda r: answers.append(f"{r.status} {r.url.split('/')[3]}"))
+    use_keys(monkeypatch)
     with ExitStack() as storing:
-        store = storing.enter_context(published(tiny_study, monkeypatch))
+        store = storing.enter_context(s3_stand_in())
+        place = Place(bucket=BUCKET, folder="my-study/", endpoint=store.endpoint)
+        publish(StudyFolder(tiny_study), place, lambda _done, _total: None)
         with serving(tiny_study, "--media-store") as address:
             store.origins = [address]
             store.asked.clear()

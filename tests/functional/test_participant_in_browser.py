@@ -102,17 +102,10 @@ def reports_of(page: Page) -> list[dict[str, Any]]:
     return reports
 
 
-def watch_record(database: Database, video_token: str) -> WatchRecord | None:
+def watch_record(database: Database, video_token: str) -> WatchRecord:
+    query = select(WatchRecord).join(WatchRecord.video).where(Video.token == video_token)
     with database.reading() as session:
-        return session.scalars(
-            select(WatchRecord).join(WatchRecord.video).where(Video.token == video_token)
-        ).one_or_none()
-
-
-def played(database: Database, video_token: str) -> float:
-    """Return the total seconds in all reports of a video, repeats included."""
-    record = watch_record(database, video_token)
-    return 0.0 if record is None else record.played_seconds
+        return session.scalars(query).one()
 
 
 def garble(route: Route) -> None:
@@ -223,15 +216,13 @@ def test_playback_on_a_busy_page_counts_with_its_frames(
     begin_study(page, address)
     expect(player(page, "A").locator("video")).to_have_js_property("readyState", 4)
 
-    def is_enough(response: Response) -> bool:
-        return "/watched/" in response.url and response.json()["missing"] == 0
-
-    with page.expect_response(is_enough) as answered:
+    with page.expect_response(
+        lambda response: "/watched/" in response.url and response.json()["missing"] == 0
+    ) as answered:
         play_button(page, "A").evaluate(BUSY_AS_IT_BEGINS)
 
     expect_missing(page, B_IS_LEFT)
     record = watch_record(database, answered.value.url.rsplit("/", 1)[1])
-    assert record is not None
     assert (record.rate, record.hidden_seconds + record.silent_seconds) == (1, 0)
     assert record.frames
     assert record.dropped_frames is not None
@@ -337,5 +328,6 @@ def test_delayed_blocked_and_repeated_reports_count_once_and_block_nobody_for_lo
     expect_trial(page, 2)
     assert len(unanswered) == 2
     videos = [video.token for video in study_session_of(page, database).trials[0].videos]
-    assert [played(database, video) for video in videos] == pytest.approx([1.0, 1.0], abs=0.1)
+    played = [watch_record(database, video).played_seconds for video in videos]
+    assert played == pytest.approx([1.0, 1.0], abs=0.1)
     page.close()

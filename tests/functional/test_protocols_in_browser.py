@@ -33,13 +33,6 @@ Served = tuple[str, Database]
 """Address of a study, and its database."""
 
 
-@pytest.fixture(scope="module")
-def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("video") / "short.mp4"
-    write_short_video(path, seconds=0.5)
-    return path
-
-
 FEWER_TRIALS: dict[str, Keys] = {
     "rating": {"attention": None},
     "ranking": {"blocks": [group("all", "ours", "theirs", trials=1)]},
@@ -48,8 +41,10 @@ FEWER_TRIALS: dict[str, Keys] = {
 
 
 @pytest.fixture
-def served(tmp_path: Path, video: Path, request: pytest.FixtureRequest) -> Iterator[Served]:
+def served(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Served]:
     """Serve a study of the protocol that the test names, with not much to watch."""
+    video = tmp_path / "short.mp4"
+    write_short_video(video, seconds=0.5)
     write_finished_study(tmp_path, request.param, video, **FEWER_TRIALS[request.param])
     with shown(tmp_path) as (address, app):
         yield address, site_of(app).database

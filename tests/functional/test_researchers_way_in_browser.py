@@ -21,6 +21,7 @@ from tests.functional.page_checks import examination, photograph
 from tests.functional.taking_part import answer
 from tests.support.command_line import run
 from tests.support.researcher_accounts import PASSWORD
+from tests.support.studies.form_questions import CLOSING
 from tests.support.studies.redefining import redefine
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
@@ -33,26 +34,17 @@ REFRESHED_MS = 21_000
 
 SCRIPT = "<script>document.title = 'taken'</script><img src=x onerror=alert(1)>"
 
-REMARKS = """
-[[form.closing]]
-name = "remarks"
-text = "Is there anything you would like to tell us?"
-kind = "text"
-required = false
-"""
-
 LookAt = Callable[[str], None]
 
 
 @pytest.fixture
-def study(tiny_study: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def study(tiny_study: Path) -> Path:
     """Return a study with a place for each of `PEOPLE`, and `TRIALS` trials."""
-    monkeypatch.delenv("DATABASE_URL", raising=False)
     redefine(
         tiny_study,
         ("participants_per_comparison = 4", f"participants_per_comparison = {PEOPLE}"),
         ("trials = 4\npractice = 1", "trials = 1\npractice = 0"),
-        added=REMARKS,
+        added=CLOSING,
     )
     return tiny_study
 
@@ -244,5 +236,5 @@ def finish(participant: Participant) -> None:
     for trial in range(TRIALS):
         value = str((participant.stored().id + trial) % 5 - 2)
         participant.take_trial({"rhythm": value, "emotion": value})
-    participant.do(store_form_answers, "closing", {"remarks": SCRIPT})
+    participant.do(store_form_answers, "closing", {"comment": SCRIPT})
     assert participant.look().completion_code

@@ -39,27 +39,18 @@ def browser() -> Iterator[Browser]:
         yield chromium
 
 
-@pytest.fixture
-def study(tiny_study: Path) -> Path:
-    """Return a study of two trials."""
-    redefine(
-        tiny_study,
-        ("trials = 4\npractice = 1", "trials = 1\npractice = 0"),
-        added='\n[recruitment]\nchannel = "mturk"\n',
-    )
-    return tiny_study
-
-
 def test_a_worker_takes_the_whole_study_in_a_frame_on_a_sub_path(
-    browser: Browser, study: Path
+    browser: Browser, tiny_study: Path
 ) -> None:
+    two_trials = ("trials = 4\npractice = 1", "trials = 1\npractice = 0")
+    redefine(tiny_study, two_trials, added='\n[recruitment]\nchannel = "mturk"\n')
     complaints: list[str] = []
     asked: list[str] = []
 
     context = browser.new_context(viewport=LAPTOP)
     context.set_default_timeout(PATIENCE_MS)
     context.add_init_script(NO_STORAGE)
-    with serving(study, "--address", f"http://127.0.0.1:{{port}}{PREFIX}") as address:
+    with serving(tiny_study, "--address", f"http://127.0.0.1:{{port}}{PREFIX}") as address:
         # Without the slash at its end, as people write an address.
         source = f"{address}{PREFIX}?{NAMES}"
         frame_of = f'<iframe src="{source}" width="1300" height="740"></iframe>'

@@ -1,6 +1,5 @@
 """Everything around a study's trials in a real browser, and one participant in two windows."""
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -8,6 +7,7 @@ from playwright.sync_api import Browser, Page, Route, expect
 
 from studyapp.database.engine import Database
 from tests.functional.browsing import IMPATIENT, IN_A_BROWSER, PATIENCE_MS, press
+from tests.functional.shown_studies import write_way
 from tests.functional.taking_part import (
     WATCHED,
     answers_of,
@@ -17,12 +17,9 @@ from tests.functional.taking_part import (
     study_session_of,
     take_trial,
 )
-from tests.support.studies.form_questions import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
-from tests.support.studies.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 
-WAY = ELIGIBILITY + CONSENT + DEMOGRAPHICS + SCALE + CLOSING
 HEARD_TO_THE_END = """async audio => {
   await audio.play();
   audio.currentTime = audio.duration - 0.5;
@@ -33,13 +30,7 @@ HEARD_TO_THE_END = """async audio => {
 def study(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a study with everything around its trials, and a break after two of its four."""
     folder = tmp_path_factory.mktemp("way") / "study"
-    shutil.copytree(tiny_study_template, folder)
-    redefine(
-        folder,
-        ("[page]\n", "[page]\nsound_check = true\nbreak_every = 2\n"),
-        ("trials = 4\npractice = 1", "trials = 3\npractice = 0"),
-        added=WAY,
-    )
+    write_way(folder, tiny_study_template, trials=3, page="break_every = 2\n")
     return folder
 
 

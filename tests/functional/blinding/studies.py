@@ -62,11 +62,6 @@ STUDIES: Final[Mapping[str, Keys]] = {
 """Changes of each study file to the table of finished studies."""
 
 
-def instructs(name: str) -> bool:
-    """Return whether the study's attention checks can be recognised on their pages."""
-    return bool(STUDIES[name]["attention"])
-
-
 def write_study(root: Path, name: str) -> StudyFolder:
     """Write one of `STUDIES` into `root`, its videos rendered or brought, and copied."""
     folder = StudyFolder(root)
