@@ -6,13 +6,10 @@ classified without error either, so their accuracy is reported as another condit
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Final
 
 import numpy as np
 
 from analysis.metrics.scores import EmotionConfusion, Metric, MetricResult
-
-NAME: Final = "gesture emotion accuracy"
 
 
 def emotion_confusion(
@@ -50,7 +47,7 @@ def emotion_confusion(
 
 
 def emotion_accuracy(
-    confusion: EmotionConfusion, *, name: str = NAME, settings: Mapping[str, str] | None = None
+    confusion: EmotionConfusion, *, name: str, settings: Mapping[str, str]
 ) -> MetricResult:
     """Return the share of clips whose spoken emotion is named, as the mean over emotions.
 
@@ -60,7 +57,7 @@ def emotion_accuracy(
         The confusion.
     name : str
         Names the metric.
-    settings : mapping, optional
+    settings : mapping
         The network and its settings.
 
     Returns
@@ -72,7 +69,7 @@ def emotion_accuracy(
     counts = np.array(confusion.counts, float).reshape(len(confusion.spoken), len(confusion.named))
     clips = counts.sum(axis=1)
     metric = Metric(name, better="higher")
-    description = dict(settings or {}) | {
+    description = dict(settings) | {
         "mean over": ", ".join(
             f"{emotion} ({int(count)})"
             for emotion, count in zip(confusion.spoken, clips, strict=True)

@@ -42,14 +42,14 @@ def score_table(metrics: StudyMetrics) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(COLUMNS)).astype(_TYPES)
 
 
-def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[str, object]:
+def metrics_document(metrics: StudyMetrics, root: Path) -> dict[str, object]:
     """Return the scores of conditions as plain values, for ``results.json``.
 
     Parameters
     ----------
     metrics : StudyMetrics
         The scores.
-    root : Path, optional
+    root : Path
         Files are named relative to this folder, so that the document does not reveal its location.
 
     Returns
@@ -72,7 +72,7 @@ def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[st
         "emotions": [asdict(confusion) for confusion in metrics.confusions],
         "skipped": [
             {
-                "file": file.where if root is None else file.where.removeprefix(f"{root}/"),
+                "file": file.where.removeprefix(f"{root}/"),
                 "what": file.what,
                 "remedy": file.remedy,
             }

@@ -57,7 +57,7 @@ def simulate_power(
     opinions: Opinions,
     effect: float,
     seed: Sequence[int],
-    studies: int = STUDIES,
+    studies: int,
 ) -> tuple[Power, ...]:
     """Simulate a study and return how often it finds `effect`, part by part.
 
